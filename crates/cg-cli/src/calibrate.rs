@@ -47,10 +47,12 @@ pub(crate) fn run(arguments: &CalibrateArgs, files: Files) -> anyhow::Result<Out
         files = files.reads("--from-state", state);
     }
     let target = files.prints()?.writes("--output", &arguments.output, Kind::Calibration)?;
-    let options = arguments.frames.log_options(&arguments.columns, &vehicle)?;
+    let options = arguments.frames.log_options(&arguments.columns, (&vehicle, arguments.lift))?;
     let progress = ProgressBar::hidden();
     let &CalibrateArgs { model: variant, method, procedure, part, channel, .. } = arguments;
-    let how = CalibrateOptions { variant, method, channel: channel.into(), procedure, part, force };
+    let lift_axle = arguments.lift.lift_axle;
+    let channel = channel.into();
+    let how = CalibrateOptions { variant, method, channel, procedure, part, lift_axle, force };
     let trips = runs_of(&contents(&arguments.from_state)?, &vehicle, variant)?;
     let mut are_of_frames = BTreeMap::new();
     let mut calibration =

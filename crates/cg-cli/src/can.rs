@@ -10,6 +10,7 @@ use cg_vehicle::Vehicle;
 use clap::Args;
 
 use crate::args::ColumnArgs;
+use crate::truck::LiftArgs;
 use crate::words::word;
 
 /// How to decode CAN frames.
@@ -58,10 +59,10 @@ impl CanArgs {
     pub(crate) fn log_options(
         &self,
         columns: &ColumnArgs,
-        vehicle: &Vehicle,
+        (vehicle, lift): (&Vehicle, LiftArgs),
     ) -> anyhow::Result<LogOptions> {
-        let settings = Some(vehicle.align_settings());
-        Ok(LogOptions { can: self.options()?, settings, ..columns.options() })
+        let options = LogOptions { can: self.options()?, ..columns.options() };
+        Ok(options.of_vehicle(vehicle, lift.lift_axle)?)
     }
 
     /// Refuses these options where there are no CAN frames. `why` says so, and what to do.

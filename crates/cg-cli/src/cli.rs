@@ -23,7 +23,7 @@ use crate::numbers::{
 };
 use crate::run::args::RunArgs;
 use crate::sensors::{ChassisArgs, SensorArgs};
-use crate::truck::{RoadArgs, TruckArgs};
+use crate::truck::{LiftArgs, RoadArgs, TruckArgs};
 use crate::vehicle::args::VehicleArgs;
 use crate::words::word;
 
@@ -154,6 +154,8 @@ pub(crate) struct CalibrateArgs {
     #[arg(long, value_parser = word::<Part>(), default_value_t = Part::default())]
     pub(crate) part: Part,
     #[command(flatten)]
+    pub(crate) lift: LiftArgs,
+    #[command(flatten)]
     pub(crate) road: RoadArgs,
     #[command(flatten)]
     pub(crate) columns: ColumnArgs,
@@ -201,6 +203,8 @@ pub(crate) struct SimulateArgs {
     /// Vehicle file
     #[arg(long, value_name = "V.toml")]
     pub(crate) vehicle: PathBuf,
+    #[command(flatten)]
+    pub(crate) lift: LiftArgs,
     /// Maneuver of the driver
     #[arg(long, required_unless_present = "road", value_parser = word::<Maneuver>())]
     pub(crate) maneuver: Option<Maneuver>,
@@ -289,6 +293,8 @@ pub(crate) struct RolloverArgs {
     /// Vehicle file
     #[arg(long, value_name = "V.toml")]
     pub(crate) vehicle: PathBuf,
+    #[command(flatten)]
+    pub(crate) lift: LiftArgs,
     #[command(flatten)]
     pub(crate) load: LoadArgs,
     /// Speed of the ramps and of the lane change, m/s; measures that are defined at a certain speed

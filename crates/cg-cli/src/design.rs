@@ -44,10 +44,11 @@ fn comment(arguments: &DesignArgs, vehicle: &Vehicle) -> Vec<String> {
         format!("Design of the vehicle \"{}\", {calibrated}.", vehicle.name),
         "Make it again, do not edit it:".to_owned(),
         format!(
-            "cg design{}{} --model {} --emit {} --channels {}{}",
+            "cg design{}{} --model {}{} --emit {} --channels {}{}",
             option("--vehicle", Some(&truck.vehicle)),
             option("--calibration", calibration),
             truck.model,
+            truck.lift.lift_axle.map_or_else(String::new, |one| format!(" --lift-axle {one}")),
             arguments.emit,
             arguments.channels.iter().map(ToString::to_string).collect::<Vec<_>>().join(","),
             option("--output", Some(&arguments.output))

@@ -31,7 +31,8 @@ pub(crate) fn run(arguments: &EstimateArgs, files: Files) -> anyhow::Result<Outc
     let logs = matched(&arguments.logs)?;
     let target = report_target(arguments, &logs, files)?;
     let vehicle = arguments.truck.load()?;
-    let (design, judgment) = arguments.truck.judged_design(&vehicle)?;
+    let (belief, judgment) = arguments.truck.belief(&vehicle)?;
+    let present = arguments.truck.lift.of(&vehicle)?;
     let options = EstimateOptions {
         variant: arguments.truck.model,
         method: arguments.method.method,
@@ -40,19 +41,20 @@ pub(crate) fn run(arguments: &EstimateArgs, files: Files) -> anyhow::Result<Outc
         speed_mps: arguments.speed_mps,
         trailer_mass_kg: arguments.trailer_mass_kg,
         trailer_mass_sd_kg: arguments.trailer_mass_sd_kg,
+        lift_axle: arguments.truck.lift.lift_axle,
         road: arguments.road.of(&vehicle),
         judgment,
         ..EstimateOptions::default()
     }
-    .with_file(&vehicle)
-    .checked(&vehicle)
+    .checked(&present)
     .context("--trailer-mass-kg")?; // the speed was checked with the arguments
     let truth = arguments.truth.as_deref().map(|path| Truth::load(path, &logs)).transpose()?;
     if logs.iter().filter(|log| log.as_os_str() == "-").count() > 1 {
         return Err(anyhow!("standard input (-) can be read only once"));
     }
-    let estimator = LogEstimator::from_design(&design, vehicle.align_settings(), options);
-    let log_options = arguments.frames.log_options(&arguments.columns, &vehicle)?;
+    let estimator = LogEstimator::of_truck(&vehicle, &belief, options)?;
+    let log_options =
+        arguments.frames.log_options(&arguments.columns, (&vehicle, arguments.truck.lift))?;
     let progress = progress_bar(&logs);
     let pool = rayon::ThreadPoolBuilder::new().num_threads(arguments.jobs).build()?;
     let room = target.as_ref().map(|_| report::room(logs.len()));

@@ -98,7 +98,9 @@ struct Balance {
 
 pub(crate) fn run(arguments: &ModelArgs) -> anyhow::Result<Outcome> {
     let vehicle = arguments.truck.load()?;
-    let description = match arguments.truck.calibration(&vehicle)? {
+    let calibration = arguments.truck.calibration(&vehicle)?;
+    let vehicle = arguments.truck.lift.of(&vehicle)?;
+    let description = match calibration {
         None => describe(arguments, &vehicle)?,
         Some(calibration) => {
             let belief = calibration.belief();

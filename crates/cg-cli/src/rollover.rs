@@ -14,7 +14,7 @@ use crate::outcome::Outcome;
 use crate::truck;
 
 pub(crate) fn run(arguments: &RolloverArgs) -> anyhow::Result<Outcome> {
-    let vehicle = truck::load(&arguments.vehicle)?;
+    let vehicle = arguments.lift.of(&truck::load(&arguments.vehicle)?)?;
     let load = arguments.load.load(&vehicle);
     let options = RolloverOptions {
         speed_mps: arguments.speed_mps.unwrap_or(vehicle.nominal_speed_mps),

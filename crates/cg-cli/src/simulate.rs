@@ -3,13 +3,14 @@
 use std::path::Path;
 
 use anyhow::{Context, anyhow};
-use cg_logs::log::{CandumpWriter, LogWriter, Signal};
+use cg_logs::log::{CandumpWriter, LogRow, LogWriter, Signal};
 use cg_logs::output::{Draft, Files, Kind, Target};
 use cg_plant::maneuver::{Course, Maneuver};
 use cg_plant::road::{Road, RoadKind};
 use cg_plant::sensors::ChassisSensors;
 use cg_plant::simulate::{LogSimulation, Plant, Scenario};
 use cg_vehicle::Vehicle;
+use cg_vehicle::lift::LiftAxle;
 
 use crate::cli::SimulateArgs;
 use crate::outcome::{Outcome, print_error};
@@ -112,9 +113,12 @@ pub(crate) fn run(arguments: &SimulateArgs, files: Files) -> anyhow::Result<Outc
     let truth_target =
         arguments.truth.as_deref().map(|path| files.writes("--truth", path, Kind::Truth));
     let truth_target = truth_target.transpose()?;
-    let vehicle = truck::load(&arguments.vehicle)?;
+    let file = truck::load(&arguments.vehicle)?;
+    let vehicle = arguments.lift.of(&file)?;
     let simulation = simulation(arguments, &vehicle)?;
-    let columns = simulation.columns();
+    let position = file.has_lift_axle().then(|| arguments.lift.lift_axle.unwrap_or_default());
+    let mut columns = simulation.columns();
+    columns.extend(position.map(|_| Signal::LiftAxle));
     let mut truth = serde_json::to_value(&simulation.truth)?;
     let comments: Vec<String> = truth
         .as_object()
@@ -135,14 +139,17 @@ pub(crate) fn run(arguments: &SimulateArgs, files: Files) -> anyhow::Result<Outc
         Some(target) if is_candump(target.path()) => {
             write_candump(&simulation, &vehicle, target)?;
         }
-        target => write_csv(&simulation, target.as_ref(), &comments, &columns)?,
+        target => {
+            let lift_axle = position.map_or(f64::NAN, LiftAxle::value);
+            write_csv((&simulation, lift_axle), target.as_ref(), &comments, &columns)?;
+        }
     }
     draft.map_or(Ok(()), Draft::publish)?;
     Ok(Outcome::Done)
 }
 
 fn write_csv(
-    simulation: &LogSimulation,
+    (simulation, lift_axle): (&LogSimulation, f64),
     target: Option<&Target>,
     comments: &[String],
     columns: &[Signal],
@@ -153,7 +160,7 @@ fn write_csv(
         let stream = Box::new(std::io::stdout());
         LogWriter::from_writer("standard output", stream, comments, columns)?
     };
-    simulation.run(|row| writer.write_row(row))?;
+    simulation.run(|row| writer.write_row(&LogRow { lift_axle, ..*row }))?;
     Ok(writer.finish()?)
 }
 

@@ -3,7 +3,7 @@
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use anyhow::anyhow;
+use anyhow::{Context as _, anyhow};
 use cg_core::Design;
 use cg_logs::estimate::RoadChoice;
 use cg_logs::output::Files;
@@ -11,6 +11,7 @@ use cg_vehicle::belief::Belief;
 use cg_vehicle::calibration::{Calibration, Judgment};
 use cg_vehicle::design::design_with;
 use cg_vehicle::finding::Finding;
+use cg_vehicle::lift::LiftAxle;
 use cg_vehicle::{Variant, Vehicle};
 use clap::Args;
 
@@ -29,6 +30,24 @@ pub(crate) struct TruckArgs {
     /// Equations of the vehicle model
     #[arg(long, value_parser = word::<Variant>(), default_value_t = Variant::Complete)]
     pub(crate) model: Variant,
+    #[command(flatten)]
+    pub(crate) lift: LiftArgs,
+}
+
+/// The lift axles.
+#[derive(Clone, Copy, Debug, Args)]
+pub(crate) struct LiftArgs {
+    /// Position of the lift axles (`lift_m` of a trailer axle) [default: that in the log, or down]
+    #[arg(long, value_name = "POSITION", value_parser = word::<LiftAxle>())]
+    pub(crate) lift_axle: Option<LiftAxle>,
+}
+
+impl LiftArgs {
+    /// The vehicle of a file with its lift axles in this position.
+    pub(crate) fn of(self, vehicle: &Vehicle) -> anyhow::Result<Vehicle> {
+        let position = self.lift_axle.unwrap_or_default();
+        vehicle.clone().with_lift_axle(position).context("--lift-axle")
+    }
 }
 
 /// Reads a vehicle file and prints warnings about unusual values to standard error.
@@ -77,14 +96,23 @@ impl TruckArgs {
         load(&self.vehicle)
     }
 
-    /// The design of the vehicle, with the calibration if there is one. A calibration whose runs
-    /// contradict the vehicle file is told on standard error.
+    /// The design of the vehicle with its lift axles where they are, and with the calibration if there is one. What
+    /// contradicts the calibration is told.
     pub(crate) fn design(&self, vehicle: &Vehicle) -> anyhow::Result<Design<f64>> {
-        let (design, judgment) = self.judged_design(vehicle)?;
+        let (belief, _) = self.told_belief(vehicle)?;
+        Ok(design_with(&self.lift.of(vehicle)?, self.model, &belief)?)
+    }
+
+    /// What is [known](Self::belief) of the truck. A calibration whose runs contradict the vehicle file is told on standard error.
+    pub(crate) fn told_belief(
+        &self,
+        vehicle: &Vehicle,
+    ) -> anyhow::Result<(Belief, Option<Judgment>)> {
+        let (belief, judgment) = self.belief(vehicle)?;
         if let Some(message) = judgment.and_then(Judgment::message) {
             print_error(&anyhow!(message));
         }
-        Ok(design)
+        Ok((belief, judgment))
     }
 
     /// The calibration, if there is one.
@@ -101,15 +129,11 @@ impl TruckArgs {
         Ok(Some(calibration))
     }
 
-    /// The design, and whether the runs of the calibration are possible; `None` without one.
-    pub(crate) fn judged_design(
-        &self,
-        vehicle: &Vehicle,
-    ) -> anyhow::Result<(Design<f64>, Option<Judgment>)> {
-        let (belief, judgment) = match self.calibration(vehicle)? {
+    /// What is known of the truck, and whether the runs of the calibration are possible; `None` without one.
+    pub(crate) fn belief(&self, vehicle: &Vehicle) -> anyhow::Result<(Belief, Option<Judgment>)> {
+        Ok(match self.calibration(vehicle)? {
             Some(calibration) => (calibration.belief(), Some(calibration.judgment())),
             None => (Belief::prior(vehicle), None),
-        };
-        Ok((design_with(vehicle, self.model, &belief)?, judgment))
+        })
     }
 }

@@ -10,10 +10,11 @@ use cg_vehicle::belief::Belief;
 use cg_vehicle::calibration::shape::shapes;
 use cg_vehicle::calibration::{Calibration, Judgment, Part, Procedure, Run, fit};
 use cg_vehicle::design::RatioDesign;
+use cg_vehicle::lift::{LiftAxle, Positions};
 use cg_vehicle::{Load, Variant, Vehicle, VehicleError};
 
 use crate::estimate::{
-    EMPTY_SHARE, EstimateOptions, Identified, LogEstimator, Method, mass_contradiction,
+    EMPTY_SHARE, EstimateOptions, Identified, LogEstimator, Method, Truck, mass_contradiction,
 };
 use crate::output::Place;
 
@@ -35,6 +36,8 @@ pub struct CalibrateOptions {
     pub procedure: Procedure,
     /// What the calibration is for.
     pub part: Part,
+    /// Position of the lift axles in all logs; `None` is what each log says, or down.
+    pub lift_axle: Option<LiftAxle>,
     /// Whether it is made even if its runs contradict the vehicle file with a probability of chance
     /// below 1e-4.
     pub force: bool,
@@ -71,20 +74,19 @@ pub fn calibrate_with_trips<E: From<VehicleError>>(
     let mut belief = Belief::prior(vehicle);
     let mut outcome = None;
     let (mut shape_runs, mut doubts) = (Vec::new(), Vec::new());
+    let positions = Positions::of(vehicle)?;
     for pass in 1..=PASSES {
-        let design = RatioDesign::new(vehicle, variant, &belief)?;
+        let designs = RunDesigns::new(&positions, options, &belief)?;
         let mut runs = Vec::with_capacity(logs.len());
         for known in logs {
-            let options = of_run(vehicle, options, known);
-            let design = design.at_height(known.load.height_m(vehicle).value)?;
-            let mut estimator =
-                LogEstimator::from_design(&design, vehicle.align_settings(), options);
+            let mut estimator = designs.estimator(known)?;
             if pass == PASSES {
                 estimator.record();
             }
             feed(known, &mut estimator)?;
             let recorder = estimator.recorder();
             let identified = estimator.identified();
+            let vehicle = positions.at(identified.lift_axle.0)?;
             if pass == PASSES {
                 doubts.extend(doubt(vehicle, known, &identified));
             }
@@ -122,6 +124,39 @@ pub fn calibrate_with_trips<E: From<VehicleError>>(
     Ok(calibration)
 }
 
+/// The designs with which runs are identified: for the given position of the lift axles, or for down and raised.
+struct RunDesigns<'a> {
+    options: CalibrateOptions,
+    present: (&'a Vehicle, RatioDesign),
+    raised: Option<(&'a Vehicle, RatioDesign)>,
+}
+
+impl<'a> RunDesigns<'a> {
+    fn new(
+        positions: &'a Positions<'_>,
+        options: CalibrateOptions,
+        belief: &Belief,
+    ) -> Result<Self, VehicleError> {
+        let design = |vehicle: &'a Vehicle| -> Result<_, VehicleError> {
+            Ok((vehicle, RatioDesign::new(vehicle, options.variant, belief)?))
+        };
+        let given = options.lift_axle;
+        let present = design(positions.at(given.unwrap_or_default())?)?;
+        let raised = positions.at(LiftAxle::Raised).ok().filter(|_| given.is_none());
+        Ok(Self { options, present, raised: raised.map(design).transpose()? })
+    }
+
+    /// The estimator for a run.
+    fn estimator(&self, known: &KnownLog) -> Result<LogEstimator, VehicleError> {
+        let truck = |(vehicle, design): &(&Vehicle, RatioDesign)| -> Result<_, VehicleError> {
+            let design = design.at_height(known.load.height_m(vehicle).value)?;
+            Ok(Truck::new(vehicle, &design, of_run(vehicle, self.options, known)))
+        };
+        let raised = self.raised.as_ref().map(truck).transpose()?;
+        Ok(LogEstimator::of_positions(&truck(&self.present)?, raised))
+    }
+}
+
 /// The options with which a run is identified.
 fn of_run(vehicle: &Vehicle, how: CalibrateOptions, known: &KnownLog) -> EstimateOptions {
     let CalibrateOptions { variant, method, channel, .. } = how;
@@ -132,9 +167,9 @@ fn of_run(vehicle: &Vehicle, how: CalibrateOptions, known: &KnownLog) -> Estimat
         channel,
         trailer_mass_kg: trailer_mass.map(|mass| mass.kg),
         trailer_mass_sd_kg: trailer_mass.and_then(|mass| mass.sd_kg),
+        lift_axle: how.lift_axle,
         ..EstimateOptions::default()
     }
-    .with_file(vehicle)
 }
 
 /// What the log of a run says against the mass that was given for it. That of an empty trailer is in its papers.
@@ -195,7 +230,8 @@ pub fn run(
     known: &KnownLog,
     estimator: LogEstimator,
 ) -> Result<Run, VehicleError> {
-    run_of(vehicle, known, &estimator.identified())
+    let identified = estimator.identified();
+    run_of(Positions::of(vehicle)?.at(identified.lift_axle.0)?, known, &identified)
 }
 
 fn run_of(
@@ -218,6 +254,13 @@ fn run_of(
     if let Some(since_s) = identified.load_since_s {
         return Err(VehicleError::Model(format!(
             "{}: the load changed before {since_s:.0} s, but a run has one load: give a log of one of them",
+            known.log
+        )));
+    }
+    let (lift_axle, moved_s) = identified.lift_axle;
+    if let Some(moved_s) = moved_s {
+        return Err(VehicleError::Model(format!(
+            "{}: the lift axle moved at {moved_s:.0} s, but a run has it in one position: give a log of one of them",
             known.log
         )));
     }
@@ -246,6 +289,7 @@ fn run_of(
         load,
         height_sd_m: height_m.sd,
         trailer_mass_sd_kg,
+        lift_axle,
         speed_mps: identified.speed_mps,
         turn_g: identified.turn_g,
         ratio: identified.ratio,

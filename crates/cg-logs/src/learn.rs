@@ -14,8 +14,9 @@
 
 use cg_core::decide::height::Fusion;
 use cg_core::{CHANNELS, Channel, Design, HeightError, Maneuver, Measured, RatioLine, Reject};
+use cg_vehicle::lift::LiftAxle;
 use cg_vehicle::sensor_places::Road;
-use cg_vehicle::{Variant, Vehicle, VehicleError};
+use cg_vehicle::{Load, Variant, Vehicle, VehicleError};
 
 use crate::estimate::{EMPTY_SHARE, LogEstimator};
 use crate::learned::empty;
@@ -73,12 +74,23 @@ pub struct Learner {
     variant: Variant,
     learned: Learned,
     open: Option<Open>,
+    lift_axle: LiftAxle,
+    /// The empty trailer with the lift axles there.
+    empty: Load,
 }
 
 impl Learner {
     /// A learner that goes on from what was learned.
     pub fn new(vehicle: &Vehicle, variant: Variant, learned: Learned) -> Self {
-        Self { vehicle: vehicle.clone(), variant, learned, open: None }
+        let (vehicle, empty) = (vehicle.clone(), vehicle.empty_load());
+        Self { vehicle, variant, learned, open: None, lift_axle: LiftAxle::Down, empty }
+    }
+
+    /// Where the lift axles are for the next maneuvers; if they have moved, the trip must have [ended](Self::finish).
+    pub fn set_lift_axle(&mut self, position: LiftAxle) {
+        if position != self.lift_axle {
+            (self.lift_axle, self.empty) = (position, empty(&self.vehicle, position));
+        }
     }
 
     /// What was learned, with the trip that has not ended, for the state file.
@@ -97,7 +109,7 @@ impl Learner {
         maneuver: &Maneuver<f64>,
         (end_s, weighed): (f64, bool),
     ) -> Result<Option<Taken>, VehicleError> {
-        let empty_kg = self.vehicle.empty_trailer_mass_kg();
+        let empty_kg = self.empty.trailer_mass_kg;
         let is_empty = weighed && (maneuver.trailer_mass_kg / empty_kg - 1.0).abs() <= EMPTY_SHARE;
         let is_long =
             |open: &Open| !((open.first_s..=open.first_s + LONGEST_TRIP_S).contains(&end_s));
@@ -119,6 +131,7 @@ impl Learner {
     pub fn log(&mut self, log: LogEstimator) -> Result<Vec<Taken>, VehicleError> {
         let design = *log.design();
         let mut taken = Vec::new();
+        self.set_lift_axle(log.lift_axle());
         for (maneuver, end_s, weighed) in log.maneuvers() {
             taken.extend(self.maneuver(&design, &maneuver, (end_s, weighed))?);
         }
@@ -140,7 +153,7 @@ impl Learner {
         if !(speed_mps >= LEAST_SPEED_MPS) {
             return;
         }
-        let height_m = empty(&self.vehicle).cg_height_m;
+        let height_m = self.empty.cg_height_m;
         let relative: [_; CHANNELS] = Channel::ALL.map(|channel| {
             let line = design.line(channel, speed_mps, trailer_mass_kg)?;
             let (found, road_sd_m) = identified(maneuver, (channel, &line), self.vehicle.road)?;
@@ -175,7 +188,7 @@ impl Learner {
 
     /// The ratios of the maneuvers at their mean speed.
     fn trip(&self, open: &Open, design: &Design<f64>) -> Option<EmptyTrip> {
-        let load = empty(&self.vehicle);
+        let load = self.empty;
         let ratio = Channel::ALL.map(|channel| {
             let relative = open.relative[channel.index()].height()?.height_m;
             let line = design.line(channel, open.speed_mps, load.trailer_mass_kg)?;
@@ -189,6 +202,7 @@ impl Learner {
             trailer_mass_kg: open.trailer_mass_kg,
             ratio,
             maneuvers: open.maneuvers,
+            lift_axle: self.lift_axle,
         };
         trip.is_sound().then_some(trip)
     }

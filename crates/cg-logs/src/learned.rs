@@ -8,6 +8,7 @@ use cg_vehicle::calibration::{
     Calibration, Fitted, Judgment, Prior, Procedure, Run, RunEntry, fit_from, vehicle_crc32,
 };
 use cg_vehicle::design::design_with;
+use cg_vehicle::lift::LiftAxle;
 use cg_vehicle::{Load, Variant, Vehicle, VehicleError};
 use serde::{Deserialize, Serialize};
 
@@ -31,6 +32,9 @@ pub struct EmptyTrip {
     pub ratio: [Option<Measured<f64>>; CHANNELS],
     /// Number of its maneuvers.
     pub maneuvers: u32,
+    /// Where the lift axles were.
+    #[serde(default, skip_serializing_if = "LiftAxle::is_down")]
+    pub lift_axle: LiftAxle,
 }
 
 /// What was learned from empty driving.
@@ -127,9 +131,10 @@ impl EmptyTrip {
     fn run(&self, vehicle: &Vehicle, now_s: f64) -> Run {
         Run {
             log: format!("empty trip of {} maneuvers", self.maneuvers),
-            load: empty(vehicle),
+            load: empty(vehicle, self.lift_axle),
             height_sd_m: 0.0,
             trailer_mass_sd_kg: 0.0,
+            lift_axle: self.lift_axle,
             speed_mps: self.speed_mps,
             turn_g: None,
             ratio: self.ratio,
@@ -138,9 +143,10 @@ impl EmptyTrip {
     }
 }
 
-/// The empty trailer.
-pub(crate) fn empty(vehicle: &Vehicle) -> Load {
-    vehicle.empty_load()
+/// The empty trailer with the lift axles in a position. That of a truck without lift axles is not used: no fit has it.
+pub(crate) fn empty(vehicle: &Vehicle, position: LiftAxle) -> Load {
+    let present = vehicle.clone().with_lift_axle(position);
+    present.map_or_else(|_| vehicle.empty_load(), |present| present.empty_load())
 }
 
 impl Learned {

@@ -10,6 +10,7 @@ use cg_core::{CHANNELS, Design, Measured, Memory};
 use cg_vehicle::calibration::{Calibration, Run, vehicle_crc32};
 use cg_vehicle::design::design;
 use cg_vehicle::files::{self, Unsealed};
+use cg_vehicle::lift::LiftAxle;
 use cg_vehicle::scales::Scale;
 use cg_vehicle::{Variant, Vehicle, VehicleError};
 use serde::{Deserialize, Serialize};
@@ -48,6 +49,9 @@ pub struct State {
     /// Whether the mass is that of the load before. Older files do not have it.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub mass_is_of_another_load: bool,
+    /// Where the lift axles were. Older files do not have it.
+    #[serde(default, skip_serializing_if = "LiftAxle::is_down")]
+    pub lift_axle: LiftAxle,
     /// What the turns of the load came to, if they were strong. Older files do not have it.
     #[serde(default, skip_serializing_if = "Strength::is_none")]
     pub strength: Strength,
@@ -150,6 +154,7 @@ impl State {
             load_since_s,
             scale: None,
             mass_is_of_another_load: false,
+            lift_axle: LiftAxle::Down,
             strength: Strength::default(),
             trips_in_use: None,
             learned,

@@ -9,6 +9,7 @@ use cg_logs::log::LogRow;
 use cg_vehicle::belief::{Belief, Deviations, Parameter};
 use cg_vehicle::calibration::{Calibration, Procedure, Run, fit};
 use cg_vehicle::design::design_with;
+use cg_vehicle::lift::LiftAxle;
 use cg_vehicle::linear::ratio_line;
 use cg_vehicle::sensor_places::Road;
 use cg_vehicle::{Load, Variant, Vehicle};
@@ -169,7 +170,8 @@ fn exact(truck: &Vehicle, deviations: &Deviations, date_s: f64) -> EmptyTrip {
         (truck.empty_trailer_mass_kg(), truck.trailer.tare.cg_height_m);
     let ratio = ratios(truck, deviations, Load { trailer_mass_kg, cg_height_m })
         .map(|value| Some(Measured { value, sd: 0.002 * value }));
-    EmptyTrip { date_s, speed_mps: 18.0, trailer_mass_kg, ratio, maneuvers: 5 }
+    let lift_axle = LiftAxle::Down;
+    EmptyTrip { date_s, speed_mps: 18.0, trailer_mass_kg, ratio, maneuvers: 5, lift_axle }
 }
 
 /// Springs that lose 15 % in a year are followed; a jump by 15 % in a day is a change of the truck.

@@ -10,6 +10,7 @@ mod end_to_end;
 mod faults;
 mod friction;
 mod lane_changes;
+mod lift_axle;
 mod masses;
 mod nonlinear;
 mod payload_place;

@@ -14,6 +14,7 @@ use cg_vehicle::belief::{Belief, Covariance, Deviations, log_gain};
 use cg_vehicle::calibration::{Procedure, Run, fit};
 use cg_vehicle::design::{design, design_with};
 use cg_vehicle::equations::Equations;
+use cg_vehicle::lift::LiftAxle;
 use cg_vehicle::linear::ratio_line;
 use cg_vehicle::{Load, Variant, Vehicle, VehicleError};
 use rand::{SeedableRng, rngs::StdRng};
@@ -144,6 +145,7 @@ fn run(vehicle: &Vehicle, truth: &Deviations, load: Load, behind_m: f64) -> Run 
         speed_mps: SPEED_MPS,
         turn_g: None,
         ratio,
+        lift_axle: LiftAxle::Down,
         age_s: None,
     }
 }

@@ -109,6 +109,7 @@ pub(crate) fn calibrate_files(
         channel: word::<ChannelChoice>("channel", &request.channel)?.into(),
         procedure: word("procedure", &request.procedure)?,
         part: word("part", &request.part)?,
+        lift_axle: vehicle.get().lift_axle,
         force: request.force,
     };
     let mut files = Files::new(request.force).reads("vehicle", vehicle.get().path());
@@ -119,7 +120,7 @@ pub(crate) fn calibrate_files(
         files = files.reads("from_state", Path::new(name));
     }
     let target = files.writes("output", &output, Kind::Calibration).map_err(output_error)?;
-    let vehicle = &vehicle.get().inner;
+    let vehicle = &vehicle.get().file;
     let (runs, sources): (Vec<GivenRun>, Vec<Source>) = runs.into_iter().unzip();
     let logs = runs.into_iter().map(known).collect::<PyResult<Vec<KnownLog>>>()?;
     let source_of = |known: &KnownLog| {

@@ -189,13 +189,12 @@ impl FrameStream {
         options: Options,
     ) -> PyResult<Self> {
         let vehicle = vehicle.get();
-        let options = vehicle.options(options.checked(&vehicle.inner)?);
-        let settings = vehicle.inner.align_settings();
-        let reading = LogOptions { settings: Some(settings), ..reading.options()? };
-        let design = py.detach(|| vehicle.design(options.variant)).map_err(vehicle_error)?;
+        let options = options.checked(&vehicle.inner)?;
+        let reading = reading.options()?.of_vehicle(&vehicle.file, vehicle.lift_axle);
+        let reading = reading.map_err(vehicle_error)?;
         let state = StreamState {
             frames: FrameRows::new(&reading),
-            estimator: LogEstimator::from_design(design, settings, options),
+            estimator: py.detach(|| vehicle.estimator(options)).map_err(vehicle_error)?,
             turning: false,
             counts: (0, 0, 0),
         };

@@ -79,6 +79,7 @@ pub(crate) fn dbc_error(error: DbcError) -> PyErr {
 pub(crate) fn in_python(message: &str) -> String {
     hint::told(message, |name, value| match (name, value.split_once('=')) {
         ("force", _) => "force=True".to_owned(),
+        ("lift_axle", _) => "vehicle.with_lift_axle".to_owned(),
         ("road", _) => format!("vehicle.on_road(\"{value}\")"),
         (_, None) if value.is_empty() => name.to_owned(),
         ("columns" | "signals", Some((signal, what))) => {

@@ -29,11 +29,9 @@ pub(crate) fn estimate_file<'py>(
     let vehicle = vehicle.get();
     let options = options.checked(&vehicle.inner)?;
     let log_options = log_options(&columns, &flip)?;
-    let options = vehicle.options(options);
-    let design = py.detach(|| vehicle.design(options.variant)).map_err(vehicle_error)?;
-    let settings = vehicle.inner.align_settings();
-    let log_options = LogOptions { settings: Some(settings), ..log_options };
-    let mut estimator = LogEstimator::from_design(design, settings, options);
+    let log_options = log_options.of_vehicle(&vehicle.file, vehicle.lift_axle);
+    let log_options = log_options.map_err(vehicle_error)?;
+    let mut estimator = py.detach(|| vehicle.estimator(options)).map_err(vehicle_error)?;
     let mut reader = py.detach(|| LogReader::open(&path, &log_options)).map_err(log_error)?;
     while py.detach(|| push_some(&mut reader, &mut estimator, &path)).map_err(Refused::raise)? {
         py.check_signals()?;

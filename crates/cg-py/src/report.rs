@@ -2,7 +2,6 @@
 
 use std::path::PathBuf;
 
-use cg_logs::estimate::LogEstimator;
 use cg_logs::output::{Draft, Files, Kind, Target};
 use cg_logs::report::{Entry, Trace, page, room};
 use pyo3::prelude::*;
@@ -58,9 +57,8 @@ pub(crate) fn trace_arrays(
     let arrays = borrowed(signals)?;
     let columns = columns(&arrays)?;
     let vehicle = vehicle.get();
-    let options = vehicle.options(options.checked(&vehicle.inner)?);
-    let design = py.detach(|| vehicle.design(options.variant)).map_err(vehicle_error)?;
-    let mut estimator = LogEstimator::from_design(design, vehicle.inner.align_settings(), options);
+    let options = options.checked(&vehicle.inner)?;
+    let mut estimator = py.detach(|| vehicle.estimator(options)).map_err(vehicle_error)?;
     let text = py.detach(|| {
         let mut trace = Trace::new(room(logs));
         for index in 0..columns.rows() {

@@ -243,9 +243,9 @@ pub(crate) fn learn_arrays(
     let vehicle = vehicle.get();
     let (log, _) = driven(py, vehicle, signals, options)?;
     let design = *log.design();
-    let mut learner = Learner::new(&vehicle.inner, options.variant, vehicle.learned(None)?);
+    let mut learner = Learner::new(&vehicle.file, options.variant, vehicle.learned(None)?);
     let taken = py.detach(|| learner.log(log)).map_err(vehicle_error)?;
-    let text = learner.learned(&design).text_of(&vehicle.inner).map_err(vehicle_error)?;
+    let text = learner.learned(&design).text_of(&vehicle.file).map_err(vehicle_error)?;
     Ok((text, taken.iter().map(ToString::to_string).collect()))
 }
 
@@ -258,10 +258,8 @@ fn driven(
 ) -> PyResult<(LogEstimator, Vec<String>)> {
     let arrays = borrowed(signals)?;
     let columns = columns(&arrays)?;
-    let options = vehicle.options(options);
-    let design = py.detach(|| vehicle.design(options.variant)).map_err(vehicle_error)?;
+    let mut estimator = py.detach(|| vehicle.estimator(options)).map_err(vehicle_error)?;
     let settings = vehicle.inner.align_settings();
-    let mut estimator = LogEstimator::from_design(design, settings, options);
     let remarks = columns.push_all(py, &mut estimator, settings)?;
     Ok((estimator, remarks))
 }

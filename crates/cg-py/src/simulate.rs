@@ -1,5 +1,6 @@
 //! `simulate_log` simulates a log with known truth; `score_accuracy` scores estimates of many logs.
 
+use cg_logs::log::Signal;
 use cg_thesis::accuracy::{Experiment, Truck};
 use numpy::PyArray1;
 use pyo3::prelude::*;
@@ -29,6 +30,11 @@ pub(crate) fn simulate_log<'py>(
     for signal in simulation.columns() {
         let values = PyArray1::from_iter(py, rows.iter().map(|row| row.get(signal)));
         table.set_item(signal.column(), values)?;
+    }
+    if vehicle.get().file.has_lift_axle() {
+        let position = vehicle.get().lift_axle.unwrap_or_default().value();
+        let values = PyArray1::from_iter(py, rows.iter().map(|_| position));
+        table.set_item(Signal::LiftAxle.column(), values)?;
     }
     let track = simulation.track.map(|track| -> PyResult<_> {
         let places = PyDict::new(py);

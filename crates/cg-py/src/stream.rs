@@ -106,18 +106,17 @@ impl Stream {
             let now = postcard::from_bytes(state).map_err(|error| {
                 value_error(format!("the state of an estimator is damaged: {error}"))
             })?;
-            let learner = Learner::new(&vehicle.inner, variant, known);
+            let learner = Learner::new(&vehicle.file, variant, known);
             return Ok(Self { state: Mutex::new(State { now, learner }), source });
         }
-        let design = py.detach(|| vehicle.design(variant)).map_err(vehicle_error)?;
         let now_s = known.newest_s().unwrap_or(0.0);
-        let own =
-            py.detach(|| known.design(&vehicle.inner, variant, now_s)).map_err(vehicle_error)?;
-        let design = own.as_ref().unwrap_or(design);
-        let learner = Learner::new(&vehicle.inner, variant, known);
+        let estimator = py.detach(|| {
+            let learned = known.belief(&vehicle.file, variant, now_s)?;
+            vehicle.estimator_of(learned.as_ref(), options)
+        });
+        let estimator = estimator.map_err(vehicle_error)?;
+        let learner = Learner::new(&vehicle.file, variant, known);
         let settings = vehicle.inner.align_settings();
-        let options = vehicle.options(options);
-        let estimator = LogEstimator::from_design(design, settings, options);
         let now = Now {
             estimator,
             plausibility: Plausibility::new(settings),
@@ -207,7 +206,7 @@ impl Stream {
         let design = *log.design();
         py.detach(|| learner.log(log)).map_err(vehicle_error)?;
         let vehicle = self.source.vehicle.get();
-        learner.learned(&design).text_of(&vehicle.inner).map_err(vehicle_error)
+        learner.learned(&design).text_of(&vehicle.file).map_err(vehicle_error)
     }
 
     /// Return the estimate so far, as if the log ended here; more rows may follow.

@@ -4,14 +4,14 @@ use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
 use cg_core::Design;
-use cg_logs::estimate::EstimateOptions;
-use cg_logs::estimate::RoadChoice;
+use cg_logs::estimate::{EstimateOptions, LogEstimator, RoadChoice, Truck};
 use cg_logs::learn::Learned;
 use cg_vehicle::belief::Belief;
 use cg_vehicle::calibration::Calibration;
 use cg_vehicle::design::design_with;
 use cg_vehicle::files;
 use cg_vehicle::guide::{TruckKind, changed, template};
+use cg_vehicle::lift::LiftAxle;
 use cg_vehicle::sensor_places::Road;
 use cg_vehicle::{Variant, VehicleError};
 use pyo3::prelude::*;
@@ -21,27 +21,51 @@ use crate::change::changes;
 use crate::error::{value_error, vehicle_error, warn};
 use crate::options::word;
 
+/// A vehicle with its lift axles raised, and its design.
+type Raised = (cg_vehicle::Vehicle, Design<f64>);
+
 /// A tractor-semitrailer, read from a vehicle file (TOML) with `Vehicle.load`.
 ///
 /// A vehicle is immutable and can be used from several threads. The first estimate computes what
 /// the estimator needs; later estimates use it again.
 #[pyclass(frozen, module = "cgheight")]
 pub(crate) struct Vehicle {
+    /// The vehicle with its lift axles where they are.
     pub(crate) inner: cg_vehicle::Vehicle,
+    /// The vehicle of the file, with its lift axles down.
+    pub(crate) file: cg_vehicle::Vehicle,
+    /// Where the lift axles are, if that is given.
+    pub(crate) lift_axle: Option<LiftAxle>,
     /// Text and name of the vehicle file, which are pickled.
     source: (String, String),
     calibration: Option<Calibration>,
     complete: OnceLock<Design<f64>>,
     as_printed: OnceLock<Design<f64>>,
+    raised: OnceLock<Option<Box<Raised>>>,
 }
 
 impl Vehicle {
     fn new(
-        inner: cg_vehicle::Vehicle,
+        file: cg_vehicle::Vehicle,
         source: (String, String),
         calibration: Option<Calibration>,
     ) -> Self {
-        Self { inner, source, calibration, complete: OnceLock::new(), as_printed: OnceLock::new() }
+        Self {
+            inner: file.clone(),
+            file,
+            lift_axle: None,
+            source,
+            calibration,
+            complete: OnceLock::new(),
+            as_printed: OnceLock::new(),
+            raised: OnceLock::new(),
+        }
+    }
+
+    /// The same vehicle with its lift axles in a position.
+    fn lifted(self, position: Option<LiftAxle>) -> Result<Self, VehicleError> {
+        let inner = self.file.clone().with_lift_axle(position.unwrap_or_default())?;
+        Ok(Self { inner, lift_axle: position, ..self })
     }
 
     /// Checks the text of a vehicle file and warns of unusual values; `label` is the name of the text in
@@ -55,10 +79,10 @@ impl Vehicle {
     }
 
     /// The same vehicle on roads whose bank has this standard deviation, rad.
-    fn with_road(&self, bank_sd_rad: Option<f64>) -> Self {
-        let mut inner = self.inner.clone();
-        inner.road = bank_sd_rad.map(|bank_sd_rad| Road { bank_sd_rad }).or(inner.road);
-        Self::new(inner, self.source.clone(), self.calibration.clone())
+    fn with_road(&self, bank_sd_rad: Option<f64>) -> Result<Self, VehicleError> {
+        let mut file = self.file.clone();
+        file.road = bank_sd_rad.map(|bank_sd_rad| Road { bank_sd_rad }).or(file.road);
+        Self::new(file, self.source.clone(), self.calibration.clone()).lifted(self.lift_axle)
     }
 
     /// The path of the vehicle file.
@@ -66,15 +90,52 @@ impl Vehicle {
         Path::new(&self.source.1)
     }
 
-    /// The options with the roads of the vehicle and the judgment of its calibration.
-    pub(crate) fn options(&self, options: EstimateOptions) -> EstimateOptions {
+    /// The estimator for logs of the vehicle.
+    pub(crate) fn estimator(&self, options: EstimateOptions) -> Result<LogEstimator, VehicleError> {
+        self.estimator_of(None, options)
+    }
+
+    /// The same with what the truck has learned.
+    pub(crate) fn estimator_of(
+        &self,
+        learned: Option<&Belief>,
+        options: EstimateOptions,
+    ) -> Result<LogEstimator, VehicleError> {
         let judgment = self.calibration.as_ref().map(Calibration::judgment);
-        EstimateOptions { judgment, ..options }.with_file(&self.inner)
+        let options = EstimateOptions { judgment, lift_axle: self.lift_axle, ..options };
+        if let Some(belief) = learned {
+            return LogEstimator::of_truck(&self.file, belief, options);
+        }
+        let truck = |vehicle, design| Truck::new(vehicle, design, options);
+        let raised = self.raised_design(options.variant)?;
+        let raised = raised.map(|(vehicle, design)| truck(vehicle, design));
+        let present = truck(&self.inner, self.design(options.variant)?);
+        Ok(LogEstimator::of_positions(&present, raised))
+    }
+
+    /// The vehicle with its lift axles raised, and its design, if nothing but a log says where they are.
+    fn raised_design(&self, variant: Variant) -> Result<Option<&Raised>, VehicleError> {
+        if self.lift_axle.is_some() || variant == Variant::AsPrinted {
+            return Ok(None);
+        }
+        if let Some(known) = self.raised.get() {
+            return Ok(known.as_deref());
+        }
+        let design = |raised: cg_vehicle::Vehicle| -> Result<_, VehicleError> {
+            let design = design_with(&raised, variant, &self.belief(variant)?)?;
+            Ok(Box::new((raised, design)))
+        };
+        let computed = self.file.raised()?.map(design).transpose()?;
+        Ok(self.raised.get_or_init(|| computed).as_deref())
+    }
+
+    fn belief(&self, variant: Variant) -> Result<Belief, VehicleError> {
+        Ok(self.posterior(variant)?.unwrap_or_else(|| Belief::prior(&self.file)))
     }
 
     /// What the truck has learned, from its text, on top of its calibration.
     pub(crate) fn learned(&self, text: Option<&str>) -> PyResult<Learned> {
-        let learned = text.map(|text| Learned::parse_of(text, &self.inner)).transpose();
+        let learned = text.map(|text| Learned::parse_of(text, &self.file)).transpose();
         let learned = learned.map_err(|error| value_error(format!("learned: {error}")))?;
         Ok(learned.unwrap_or_default().on(self.calibration.as_ref()))
     }
@@ -98,8 +159,7 @@ impl Vehicle {
         if let Some(known) = cell.get() {
             return Ok(known);
         }
-        let belief = self.posterior(variant)?.unwrap_or_else(|| Belief::prior(&self.inner));
-        let computed = design_with(&self.inner, variant, &belief)?;
+        let computed = design_with(&self.inner, variant, &self.belief(variant)?)?;
         Ok(cell.get_or_init(|| computed))
     }
 }
@@ -200,7 +260,8 @@ impl Vehicle {
         let road = self.inner.road.map(|road| ("road.bank_sd_rad".into(), road.bank_sd_rad.into()));
         let all = road.into_iter().chain(self::changes(changes, keys)?);
         let text = changed(text, file, all).map_err(vehicle_error)?;
-        Self::checked(py, text, &format!("{file} with changes"), file.clone())
+        let changed = Self::checked(py, text, &format!("{file} with changes"), file.clone())?;
+        changed.lifted(self.lift_axle).map_err(vehicle_error)
     }
 
     /// Text of the vehicle file, str.
@@ -231,8 +292,9 @@ impl Vehicle {
     #[pyo3(signature = (path, /))]
     fn calibrated(&self, py: Python<'_>, path: PathBuf) -> PyResult<Self> {
         let calibration =
-            py.detach(|| Calibration::load(&path, &self.inner)).map_err(vehicle_error)?;
-        Ok(Self::new(self.inner.clone(), self.source.clone(), Some(calibration)))
+            py.detach(|| Calibration::load(&path, &self.file)).map_err(vehicle_error)?;
+        let calibrated = Self::new(self.file.clone(), self.source.clone(), Some(calibration));
+        calibrated.lifted(self.lift_axle).map_err(vehicle_error)
     }
 
     /// Return the same vehicle on other roads.
@@ -259,7 +321,39 @@ impl Vehicle {
         let text = road.str()?.to_string();
         let choice: RoadChoice =
             text.parse().map_err(|error| value_error(format!("road is {text:?}: {error}")))?;
-        Ok(self.with_road(Some(choice.bank_sd_rad)))
+        self.with_road(Some(choice.bank_sd_rad)).map_err(vehicle_error)
+    }
+
+    /// Return the same vehicle with its lift axles in a position.
+    ///
+    /// Without it, the signal ``lift_axle_raised`` of a log says where they are; a log without it is one with them down. A
+    /// raised axle belongs to the sprung mass, so that the heights of the vehicle are lower.
+    ///
+    /// Parameters
+    /// ----------
+    /// position : str
+    ///     "down" or "raised".
+    ///
+    /// Returns
+    /// -------
+    /// Vehicle
+    ///     A new vehicle; this one does not change.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     There is no such position, or the vehicle has no lift axle (``lift_m`` of an axle).
+    #[pyo3(signature = (position, /))]
+    fn with_lift_axle(&self, position: &str) -> PyResult<Self> {
+        let position = word::<LiftAxle>("position", position)?;
+        let same = Self::new(self.file.clone(), self.source.clone(), self.calibration.clone());
+        same.lifted(Some(position)).map_err(vehicle_error)
+    }
+
+    /// Where the lift axles are: "down", "raised", or None if only a log says it.
+    #[getter]
+    fn lift_axle(&self) -> Option<String> {
+        self.lift_axle.map(|position| position.to_string())
     }
 
     /// Whether the vehicle has a calibration, bool.
@@ -317,7 +411,8 @@ impl Vehicle {
         let calibration = this.calibration.as_ref().map(Calibration::to_toml).transpose();
         let (text, file) = this.source.clone();
         let bank_sd_rad = this.inner.road.map(|road| road.bank_sd_rad);
-        Ok((restore, (text, file, calibration.map_err(vehicle_error)?, bank_sd_rad)))
+        let calibration = calibration.map_err(vehicle_error)?;
+        Ok((restore, (text, file, calibration, bank_sd_rad, this.lift_axle())))
     }
 
     fn _repr_html_<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
@@ -337,23 +432,26 @@ impl Vehicle {
     }
 }
 
-/// Text and name of a vehicle file, and the text of a calibration.
-type Restored = (String, String, Option<String>, Option<f64>);
+/// Text and name of a vehicle file, the text of a calibration, roads and the position of the lift axles.
+type Restored = (String, String, Option<String>, Option<f64>, Option<String>);
 
-/// Return a vehicle from the text of its file, the text of its calibration and the bank of its roads
-/// (rad), if it has them.
+/// Return a vehicle from the text of its file, the text of its calibration, the bank of its roads
+/// (rad) and the position of its lift axles, if it has them.
 #[pyfunction]
-#[pyo3(signature = (text, file, calibration, bank_sd_rad, /))]
+#[pyo3(signature = (text, file, calibration, bank_sd_rad, lift_axle, /))]
 pub(crate) fn restore_vehicle(
     text: String,
     file: String,
     calibration: Option<String>,
     bank_sd_rad: Option<f64>,
+    lift_axle: Option<String>,
 ) -> PyResult<Vehicle> {
     let inner = cg_vehicle::Vehicle::parse(&text, &file).map_err(vehicle_error)?;
     let calibration = calibration
         .map(|calibration| Calibration::parse(&calibration, "calibration", &inner))
         .transpose()
         .map_err(vehicle_error)?;
-    Ok(Vehicle::new(inner, (text, file), calibration).with_road(bank_sd_rad))
+    let position = lift_axle.map(|text| word::<LiftAxle>("lift_axle", &text)).transpose()?;
+    let on_road = Vehicle::new(inner, (text, file), calibration).with_road(bank_sd_rad);
+    on_road.and_then(|vehicle| vehicle.lifted(position)).map_err(vehicle_error)
 }

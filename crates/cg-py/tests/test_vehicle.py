@@ -98,6 +98,37 @@ def test_a_changed_vehicle_keeps_its_roads_and_is_pickled(truck):
     assert tomllib.loads(again.toml)["tractor"]["cg_height_m"] == 1.15
 
 
+def test_a_lift_axle_is_where_the_log_or_the_vehicle_says(truck, tmp_path):
+    lifting = truck.with_({"trailer.axle[0].lift_m": 0.1})
+    raised = lifting.with_lift_axle("raised")
+    assert (lifting.lift_axle, raised.lift_axle) == (None, "raised")
+    assert raised.reference_height_m < lifting.reference_height_m
+    assert raised.empty_trailer_mass_kg == pytest.approx(lifting.empty_trailer_mass_kg)
+    again = pickle.loads(pickle.dumps(raised))
+    assert (again.lift_axle, again.height_range_m) == ("raised", raised.height_range_m)
+    assert again.with_(nominal_speed_mps=15.0).lift_axle == "raised"
+    turn = cgheight.Scenario("rounded-step", plant="nonlinear", trailer_mass_kg=16e3, height_m=1.8)
+    empty = cgheight.Scenario("rounded-step", plant="nonlinear", trailer_mass_kg=6650.0)
+    log = cgheight.simulate(raised, turn).signals
+    assert set(log["lift_axle_raised"]) == {1.0}
+    one = cgheight.estimate_log(log, vehicle=lifting)
+    # Without noise, the plant's tires and dampers are what the model does not have.
+    assert one.height_m == pytest.approx(1.8, rel=0.01)
+    assert not any("lift axle" in message for message in one.messages)
+    del log["lift_axle_raised"]
+    assert cgheight.estimate_log(log, vehicle=raised).height_m == one.height_m
+    unknown = cgheight.estimate_log(log, vehicle=lifting)
+    assert unknown.height_m > 1.12 * 1.8
+    assert any("or give vehicle.with_lift_axle" in message for message in unknown.messages)
+    empty_log = cgheight.simulate(raised, empty).signals
+    calibration = cgheight.calibrate(lifting, [(empty_log, "empty")], tmp_path / "c.toml")
+    assert calibration.is_calibrated
+    with pytest.raises(ValueError, match='position is "up": it must be "down" or "raised"'):
+        lifting.with_lift_axle("up")
+    with pytest.raises(ValueError, match="no lift axle to raise"):
+        truck.with_lift_axle("raised")
+
+
 def test_a_calibration_belongs_to_the_unchanged_vehicle(kraz, tmp_path):
     log = FIXTURES / "logs" / "A_p10_h170_v50_L.csv"
     cgheight.calibrate(kraz, [(log, 1.7)], tmp_path / "c.toml")

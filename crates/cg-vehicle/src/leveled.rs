@@ -7,7 +7,7 @@ use crate::balance::static_balance;
 use crate::error::VehicleError;
 use crate::load::Load;
 use crate::tables::Spring;
-use crate::vehicle::{PlacedAxle, Vehicle};
+use crate::vehicle::{Axle, PlacedAxle, Vehicle};
 
 impl Vehicle {
     /// The vehicle with its springs as they are under a load. The springs of axles with `leveled` stay
@@ -36,38 +36,62 @@ impl Vehicle {
 
     /// A vehicle with the springs of this one, as they are under a load of the other one.
     fn leveled(&self, mut moved: Self, load: Load) -> Result<Self, VehicleError> {
-        let axles = self.axles();
-        if !axles.iter().any(|placed| placed.axle.leveled) {
-            return Ok(moved);
+        let all: Vec<usize> = (0..self.axles().len()).collect();
+        self.level(&mut moved, &all, load)?;
+        for axle in moved.axles_mut() {
+            axle.leveled = false;
         }
-        let here = static_balance(&moved, load)?.axle_load_n;
+        Ok(moved)
+    }
+
+    /// Makes the springs of another vehicle, whose axles are these of the present one, those that they are under a
+    /// load of the other one.
+    pub(crate) fn level(
+        &self,
+        other: &mut Self,
+        kept: &[usize],
+        load: Load,
+    ) -> Result<(), VehicleError> {
+        let axles = self.axles();
+        if !kept.iter().any(|&i| axles[i].axle.leveled) {
+            return Ok(());
+        }
+        let here = static_balance(other, load)?.axle_load_n;
         let reference = static_balance(self, self.reference_load())?.axle_load_n;
         let sprung_n = |placed: &PlacedAxle<'_>, load_n: f64| {
             load_n - placed.axle.unsprung_mass_kg * self.gravity_mps2
         };
         // Axles of a load group have the same load, and share the springs of the first one.
-        let first = |i: usize| {
-            let same = |other: &PlacedAxle<'_>| {
-                other.axle.load_group.is_some()
-                    && other.axle.load_group == axles[i].axle.load_group
-                    && other.on_trailer == axles[i].on_trailer
-            };
-            axles.iter().position(same).unwrap_or(i)
+        let is_of_group = |i: usize, k: usize| {
+            axles[i].axle.load_group.is_some()
+                && axles[i].axle.load_group == axles[k].axle.load_group
+                && axles[i].on_trailer == axles[k].on_trailer
         };
-        let factor = |i: usize| sprung_n(&axles[i], here[i]) / sprung_n(&axles[i], reference[i]);
-        let tractor = moved.tractor.axle.iter_mut().map(|axle| &mut axle.axle);
-        let all = tractor.chain(moved.trailer.axle.iter_mut().map(|axle| &mut axle.axle));
-        for (i, axle) in all.enumerate().filter(|(_, axle)| axle.leveled) {
-            axle.leveled = false;
-            axle.spring_stiffness_n_per_m *= factor(first(i));
+        let first = |k: usize| kept.iter().position(|&i| is_of_group(i, kept[k])).unwrap_or(k);
+        let factor = |k: usize| {
+            let placed = &axles[kept[k]];
+            sprung_n(placed, here[k]) / sprung_n(placed, reference[kept[k]])
+        };
+        let mut scaled_springs = Vec::new();
+        for (k, axle) in other.axles_mut().enumerate().filter(|(_, axle)| axle.leveled) {
+            let (first, factor) = (first(k), factor(first(k)));
+            axle.spring_stiffness_n_per_m *= factor;
             let Some(spring) = self.spring_of(axle) else { continue };
-            let name = format!("{} of axle {}", spring.name, first(i) + 1);
-            if moved.spring.iter().all(|known| known.name != name) {
-                moved.spring.push(scaled(spring, name.clone(), factor(first(i))));
-            }
-            axle.spring = Some(name);
+            let name = format!("{} of axle {}", spring.name, kept[first] + 1);
+            axle.spring = Some(name.clone());
+            scaled_springs.push(scaled(spring, name, factor));
         }
-        Ok(moved)
+        for spring in scaled_springs {
+            if other.spring.iter().all(|known| known.name != spring.name) {
+                other.spring.push(spring);
+            }
+        }
+        Ok(())
+    }
+
+    fn axles_mut(&mut self) -> impl Iterator<Item = &mut Axle> {
+        let tractor = self.tractor.axle.iter_mut().map(|axle| &mut axle.axle);
+        tractor.chain(self.trailer.axle.iter_mut().map(|axle| &mut axle.axle))
     }
 }
 

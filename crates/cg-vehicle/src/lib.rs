@@ -14,6 +14,7 @@
 //! | [`friction`] | friction of measured springs in the roll angle of each channel | Tables 2.3–2.8 |
 //! | [`tables`], [`characteristics`] | measured springs and tires in the file, and their evaluation | Tables 2.3–2.9 |
 //! | [`slip`] | the cornering stiffness of a tire with a slip table | – |
+//! | [`lift`] | the vehicle with its lift axles raised | – |
 //! | [`twisting`] | a semitrailer whose frame twists | – |
 //! | [`assumptions`] | what a vehicle file says that no measurement contradicts | – |
 //! | [`floor`] | a load's c.g. is above the floor on which it stands | – |
@@ -72,6 +73,7 @@ pub mod characteristics;
 pub mod guide;
 mod measured_springs;
 mod leveled;
+pub mod lift;
 pub mod twisting;
 pub mod assumptions;
 pub mod floor;

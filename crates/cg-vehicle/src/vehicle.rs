@@ -200,6 +200,9 @@ pub struct Payload {
 pub struct TrailerAxle {
     /// Distance behind the fifth wheel.
     pub behind_hitch_m: f64,
+    /// Height by which a lift axle is raised; none if absent. All lift axles are raised together.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub lift_m: Option<f64>,
     /// The parameters that every axle has.
     #[serde(flatten)]
     pub axle: Axle,

@@ -5,6 +5,7 @@ use std::io::{self, Write};
 use cg_core::{AlignSettings, Quantity};
 use cg_logs::can::{Decoder, Frame, Sampler};
 use cg_logs::log::Signal;
+use cg_vehicle::lift::LiftAxle;
 
 use super::pace::too_slow;
 use super::presence::Presence;
@@ -26,14 +27,19 @@ pub(crate) struct Frames {
 impl Frames {
     pub(crate) fn new(
         decoder: Decoder,
-        settings: AlignSettings<f64>,
+        (settings, raised): (AlignSettings<f64>, Option<AlignSettings<f64>>),
         mass_is_given: bool,
         live: bool,
     ) -> Self {
         let mapped: Vec<Quantity> = decoder.mapped().collect();
         let presence = Presence::new(&settings, mass_is_given, &mapped);
-        let sampler = Sampler::new(decoder, settings);
+        let sampler = Sampler::new(decoder, settings).with_raised(raised);
         Self { sampler, presence, received: Vec::new(), looked_us: 0, live }
+    }
+
+    /// Begins with the lift axles where they were before a restart.
+    pub(crate) fn resume(&mut self, position: LiftAxle) {
+        self.sampler.resume(position);
     }
 
     /// Adds a frame and returns its stream time. `monotonic_us` is the monotonic clock at
@@ -69,6 +75,7 @@ impl Frames {
 
     /// Passes complete samples to the session and performs what is due.
     fn pass<W: Write>(&mut self, session: &mut Session<W>) -> io::Result<()> {
+        session.follow_lift_axle(self.sampler.lift_axle())?;
         while let Some(sample) = self.sampler.next_sample() {
             session.weighing.scale = self.sampler.scale(sample.time_us).or(session.weighing.scale);
             session.sensors.level(|level| self.sampler.value(level, sample.time_us));

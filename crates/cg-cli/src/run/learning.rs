@@ -2,6 +2,8 @@
 
 use cg_core::{Design, Maneuver};
 use cg_logs::learn::{Learned, Learner, Taken};
+use cg_vehicle::belief::Belief;
+use cg_vehicle::lift::LiftAxle;
 use cg_vehicle::{Variant, Vehicle, VehicleError};
 
 /// The learner of a session with a state file.
@@ -24,6 +26,11 @@ impl Learning {
     /// What was learned, for the state file.
     pub(crate) fn learned(&self, design: &Design<f64>) -> Learned {
         self.learner.learned(design)
+    }
+
+    /// The lift axles have moved, and the trip has ended.
+    pub(crate) fn set_lift_axle(&mut self, position: LiftAxle) {
+        self.learner.set_lift_axle(position);
     }
 
     /// Learns from a maneuver if the trailer is empty. Without a maneuver, the trip ends. The pair is
@@ -53,8 +60,8 @@ fn told(taken: Result<Option<Taken>, VehicleError>, trips: usize) -> Option<Told
 
 /// What the truck starts with.
 pub(crate) struct Start {
-    /// The design with what was learned.
-    pub(crate) design: Design<f64>,
+    /// What is known of the truck, if it has learned anything.
+    pub(crate) belief: Option<Belief>,
     pub(crate) learning: Learning,
     /// Number of trips in the design.
     pub(crate) trips_in_use: usize,
@@ -62,10 +69,9 @@ pub(crate) struct Start {
 }
 
 impl Start {
-    /// The design with what was learned at the time `now_s`, or the one without if `on` is false.
+    /// What was learned until the time `now_s`; nothing is used of it if `on` is false.
     pub(crate) fn new(
         (vehicle, variant): (&Vehicle, Variant),
-        design: &Design<f64>,
         (mut learned, now_s): (Learned, f64),
         on: bool,
     ) -> Self {
@@ -74,7 +80,7 @@ impl Start {
             let resumed = learned.resume(vehicle, variant);
             let trips = learned.trips();
             messages.extend(told(resumed, trips));
-            match learned.design(vehicle, variant, now_s) {
+            match learned.belief(vehicle, variant, now_s) {
                 Ok(found) => known = found,
                 Err(error) => {
                     let message = format!("what was learned cannot be used: {error}");
@@ -94,7 +100,7 @@ impl Start {
         }
         Self {
             trips_in_use: if known.is_some() { learned.trips() } else { 0 },
-            design: known.unwrap_or(*design),
+            belief: known,
             learning: Learning { learner: Learner::new(vehicle, variant, learned), on },
             told: messages,
         }

@@ -50,12 +50,14 @@ use std::path::PathBuf;
 
 use anyhow::Context as _;
 use anyhow::bail;
-use cg_core::{Design, Warner};
-use cg_logs::estimate::{EstimateOptions, Method};
+use cg_core::Warner;
+use cg_logs::estimate::{EstimateOptions, Lift, Method, Truck};
 use cg_logs::log::LogOptions;
 use cg_logs::output::{Files, Kind, Target};
 use cg_logs::state::Owner;
+use cg_vehicle::belief::Belief;
 use cg_vehicle::calibration::{Calibration, Judgment};
+use cg_vehicle::design::design_with;
 use cg_vehicle::scales::Scales;
 use cg_vehicle::sensor_places::Road;
 use cg_vehicle::{Vehicle, VehicleError};
@@ -88,28 +90,28 @@ pub(crate) fn run(arguments: &RunArgs, files: Files) -> anyhow::Result<Outcome> 
     refuse_endless_warnings(arguments)?;
     let vehicle = arguments.truck.load()?;
     refuse_mass(arguments, &vehicle)?;
-    let own = arguments.truck.design(&vehicle)?;
+    let (belief, judgment) = arguments.truck.told_belief(&vehicle)?;
     let options = log_options(arguments, &vehicle)?;
     let recording = Recording::open(arguments, &options)?;
     let live = arguments.can.is_some() || arguments.realtime;
-    let settings = vehicle.align_settings();
+    let settings = (options.settings.unwrap_or_default(), options.raised);
     let mass_is_given = arguments.trailer_mass_kg.is_some();
     let mut frames = Frames::new(options.decoder(), settings, mass_is_given, live);
-    // The state belongs to the design without what was learned.
+    // The state belongs to the design without what was learned, with the lift axles down.
     let calibration = arguments.truck.calibration(&vehicle)?;
     let owner = |target| {
+        let own = design_with(&vehicle, arguments.truck.model, &belief)?;
         let owner = Owner::of(&vehicle, calibration.as_ref(), &own)?;
         Ok::<_, VehicleError>(StateFile::new(target, owner))
     };
     let mut state = state.map(owner).transpose()?;
-    let truck = (&vehicle, calibration.as_ref(), &own);
-    let start = state.as_mut().map(|state| learned(arguments, truck, state));
-    let design = start.as_ref().map_or(own, |start| start.design);
+    let start =
+        state.as_mut().map(|state| learned(arguments, (&vehicle, calibration.as_ref()), state));
+    let belief = start.as_ref().and_then(|start| start.belief.clone()).unwrap_or(belief);
     let lines: LineWriter<Stdout> = LineWriter::new(io::stdout());
     let mut outputs = Outputs::new(lines, state, metrics, None);
     outputs.page = arguments.serve.as_ref().map(Page::open).transpose()?;
-    let judgment = calibration.as_ref().map(Calibration::judgment);
-    let mut session = session(arguments, (&vehicle, judgment), &design, outputs)?;
+    let mut session = session(arguments, (&vehicle, &belief, judgment), outputs)?;
     if arguments.can.is_some() {
         #[allow(clippy::cast_precision_loss)] // microseconds since 1970
         session.tick(wall::now_us() as f64 * 1e-6, 0);
@@ -118,6 +120,7 @@ pub(crate) fn run(arguments: &RunArgs, files: Files) -> anyhow::Result<Outcome> 
     session.outputs.stop = Some(stop.clone());
     session.trips_in_use = start.as_ref().map_or(0, |start| start.trips_in_use);
     let restored = session.restore()?;
+    frames.resume(session.lift.position());
     begin(arguments, &vehicle, &mut session, restored)?;
     start.map_or(Ok(()), |start| session.begin(start))?;
     let processed = process(arguments, (recording, &options), &mut frames, &mut session, &stop);
@@ -171,15 +174,17 @@ fn process<W: Write>(
 /// The processing of samples with the options of this run.
 fn session<W: Write>(
     arguments: &RunArgs,
-    (vehicle, judgment): (&Vehicle, Option<Judgment>),
-    design: &Design<f64>,
+    (vehicle, belief, judgment): (&Vehicle, &Belief, Option<Judgment>),
     outputs: Outputs<W>,
 ) -> anyhow::Result<Session<W>> {
     let warner = Warner::new(&arguments.warn, arguments.warn_hysteresis)
         .context("--warn, --warn-hysteresis")?;
     let (mass_kg, options) = (arguments.trailer_mass_kg, identification(arguments, vehicle)?);
     let options = EstimateOptions { judgment, ..options };
-    let mut session = Session::new((design, options), warner, mass_kg, arguments.status_s, outputs);
+    let (Truck { design, settings, options }, raised) = Truck::positions(vehicle, belief, options)?;
+    let mut session =
+        Session::new((&design, options), warner, mass_kg, arguments.status_s, outputs);
+    (session.settings, session.lift) = (settings, Lift::new(options.lift_axle, raised));
     session.request = arguments.speed_request.map(SpeedRequest::new);
     session.weighing.sd_kg = arguments.trailer_mass_sd_kg;
     session.weighing.scales = Scales::of(vehicle);
@@ -251,10 +256,10 @@ fn identification(arguments: &RunArgs, vehicle: &Vehicle) -> anyhow::Result<Esti
         variant: arguments.truck.model,
         method: arguments.method.method,
         order: arguments.method.order()?,
+        lift_axle: arguments.truck.lift.lift_axle,
         road: arguments.road.of(vehicle),
         ..EstimateOptions::default()
-    }
-    .with_file(vehicle))
+    })
 }
 
 /// What is kept or sent does not say by which method a height was identified.
@@ -285,7 +290,7 @@ fn refuse_endless_warnings(arguments: &RunArgs) -> anyhow::Result<()> {
 /// What the truck starts with.
 fn learned(
     arguments: &RunArgs,
-    (vehicle, calibration, design): (&Vehicle, Option<&Calibration>, &Design<f64>),
+    (vehicle, calibration): (&Vehicle, Option<&Calibration>),
     state: &mut StateFile,
 ) -> Start {
     let on = arguments.learn != Some(Learn::Off);
@@ -296,7 +301,7 @@ fn learned(
     let now_s = if arguments.can.is_some() { wall::now_us() as f64 * 1e-6 } else { saved_s };
     let mut vehicle = vehicle.clone();
     vehicle.road = arguments.road.of(&vehicle).map(|road| Road { bank_sd_rad: road.bank_sd_rad });
-    Start::new((&vehicle, arguments.truck.model), design, (learned, now_s), on)
+    Start::new((&vehicle, arguments.truck.model), (learned, now_s), on)
 }
 
 /// The options for reading the source. Options that do not apply to it are refused.
@@ -308,7 +313,8 @@ fn log_options(arguments: &RunArgs, vehicle: &Vehicle) -> anyhow::Result<LogOpti
     if arguments.can.is_some() && arguments.frames.bus.is_some() {
         bail!("--bus selects a bus of a log, but --can names the interface; remove --bus");
     }
-    let options = arguments.frames.log_options(&arguments.columns, vehicle)?;
+    let options =
+        arguments.frames.log_options(&arguments.columns, (vehicle, arguments.truck.lift))?;
     if arguments.csv.is_none() {
         arguments.columns.refuse_for_frames(&options)?;
     }

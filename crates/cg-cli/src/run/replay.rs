@@ -194,7 +194,6 @@ pub(crate) fn csv<W: Write>(
         opened.map_or_else(|| piped_rows(path, options, stop), |reader| Ok(Some(reader)))?;
     let Some(reader) = opened else { return Ok("signal") };
     let mut reader = reader.over_bad_rows();
-    let settings = options.settings.unwrap_or_default();
     let mut clock = Clock::default();
     let mut pace = Pace { began: None, realtime, stop };
     loop {
@@ -223,7 +222,8 @@ pub(crate) fn csv<W: Write>(
                 session.notice(Signal::from(quantity).name(), &too_slow(step_s))?;
             }
         }
-        if let Some((quantity, _)) = row.weighed(&settings) {
+        session.follow_lift_axle(row.lift_axle)?;
+        if let Some((quantity, _)) = row.weighed(&session.settings) {
             session.weighing.scale = Scale::in_log(quantity);
         }
         if row.trailer_mass_sd_kg >= 0.0 {
@@ -231,7 +231,7 @@ pub(crate) fn csv<W: Write>(
         }
         session.sensors.level(|level| row.get(Signal::from(level)));
         session.rated.push(&row);
-        session.push(row.sample(instant.stream_us, &settings))?;
+        session.push(row.sample(instant.stream_us, &session.settings))?;
         session.seen = presence.seen;
         session.tilts = presence.tilts();
         session.missing(presence.missing(instant.stream_us))?;

@@ -1,5 +1,6 @@
 //! Processing of samples: estimation, source of the mass, rollover warnings, and outputs.
 
+mod lift;
 mod loads;
 mod mass;
 mod remarks;
@@ -8,10 +9,12 @@ mod warning;
 use std::collections::BTreeSet;
 use std::io::{self, Write};
 
-use cg_core::{Design, Maneuver, Quantity, Sample, SampleError, Status as Driving, Warner};
+use cg_core::{
+    AlignSettings, Design, Maneuver, Quantity, Sample, SampleError, Status as Driving, Warner,
+};
 use cg_logs::can::Instant;
 use cg_logs::estimate::{
-    Engine, EstimateOptions, Leaning, LeftOut, Rated, RoadPart, SensorCheck, SinceStop,
+    Engine, EstimateOptions, Leaning, LeftOut, Lift, Rated, RoadPart, SensorCheck, SinceStop,
     StrongTurns, Tilts, Unheard, Verdict, add_force,
 };
 use cg_logs::log::Signal;
@@ -24,6 +27,7 @@ use super::learning::{Learning, Start, Told};
 use super::outputs::Outputs;
 use super::pace::{Pace, pacing, too_slow};
 use super::request::SpeedRequest;
+use super::state::SavedLoad;
 use super::weighing::Weighing;
 
 /// Time between two writes of the state without an event, in stream time, µs.
@@ -40,6 +44,9 @@ const WEIGHED_US: u64 = 5_000_000;
 pub(crate) struct Session<W: Write> {
     estimator: Engine,
     options: EstimateOptions,
+    /// How the values of sensors in a row become those of a sample.
+    pub(crate) settings: AlignSettings<f64>,
+    pub(crate) lift: Lift,
     trailer_mass_kg: Option<f64>,
     pub(crate) weighing: Weighing,
     mass_source: MassSource,
@@ -123,6 +130,8 @@ impl<W: Write> Session<W> {
             speed_mps: f64::NAN,
             estimator: Engine::new(design, &options),
             options,
+            settings: AlignSettings::NONE,
+            lift: Lift::default(),
             trailer_mass_kg,
             weighing: Weighing::EXACT,
             mass_source,
@@ -434,6 +443,7 @@ impl<W: Write> Session<W> {
         let design = self.estimator.design();
         let learned = self.learning.as_ref().map(|learning| learning.learned(design));
         let load = self.weighing.saved(self.load_since_s, self.strength(), self.trips_in_use);
+        let load = SavedLoad { lift_axle: self.lift.position(), ..load };
         match self.outputs.save(&memory, saved_s, load, learned.unwrap_or_default()) {
             Some(message) => self.notice("state", &message),
             None => Ok(()),

@@ -15,6 +15,7 @@ use cg_logs::learn::Learned;
 use cg_logs::output::{Draft, Target};
 use cg_logs::state::{Owner, State, StateError};
 use cg_vehicle::files::checksum;
+use cg_vehicle::lift::LiftAxle;
 use cg_vehicle::scales::Scale;
 
 /// Maximum size of a state file, bytes.
@@ -41,6 +42,8 @@ pub(crate) struct SavedLoad {
     pub(crate) scale: Option<Scale>,
     /// Whether that mass is of the load before.
     pub(crate) mass_is_of_another_load: bool,
+    /// Where the lift axles were.
+    pub(crate) lift_axle: LiftAxle,
     /// What its turns came to.
     pub(crate) strength: Strength,
     /// Number of learned trips in the design.
@@ -74,6 +77,7 @@ impl StateFile {
         let mut state = State::new(self.owner.clone(), memory, saved_s, load.since_s, learned);
         state.scale = load.scale;
         state.mass_is_of_another_load = load.mass_is_of_another_load;
+        state.lift_axle = load.lift_axle;
         state.strength = load.strength;
         state.trips_in_use = Some(load.trips_in_use);
         let text = state.to_text()?;
@@ -225,6 +229,7 @@ mod tests {
         let load = SavedLoad {
             since_s: None,
             scale,
+            lift_axle: LiftAxle::Raised,
             mass_is_of_another_load: true,
             strength,
             trips_in_use: 3,
@@ -234,7 +239,7 @@ mod tests {
         assert_eq!((state.memory(3), state.saved_s, state.load_since_s), (memory, 2.5, None));
         assert_eq!(state.memory(2), memory.of_another_design());
         assert_eq!(state.scale, Some(Scale::AxleLoad));
-        assert!(state.mass_is_of_another_load);
+        assert_eq!((state.mass_is_of_another_load, state.lift_axle), (true, LiftAxle::Raised));
         assert_eq!(state.strength, strength);
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
     }

@@ -2,6 +2,7 @@
 
 use cg_core::Design;
 use cg_logs::estimate::{Strength, Weighed};
+use cg_vehicle::lift::LiftAxle;
 use cg_vehicle::scales::{Scale, Scales};
 
 use super::events::{MassSource, Result as Known};
@@ -50,7 +51,8 @@ impl Weighing {
         trips_in_use: usize,
     ) -> SavedLoad {
         let mass_is_of_another_load = self.weighed.is_of_another_load();
-        SavedLoad { since_s, scale: self.scale, mass_is_of_another_load, strength, trips_in_use }
+        let (scale, lift_axle) = (self.scale, LiftAxle::Down);
+        SavedLoad { since_s, scale, mass_is_of_another_load, lift_axle, strength, trips_in_use }
     }
 
     /// A result with the scale of its mass and its standard deviation.

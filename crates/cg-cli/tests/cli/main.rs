@@ -42,6 +42,7 @@ mod gateway;
 #[cfg(unix)]
 mod files;
 mod learn;
+mod lift;
 mod logs;
 mod memory;
 mod model;

@@ -158,6 +158,11 @@ impl<T: Real> Aligner<T> {
         }
     }
 
+    /// Goes on with the settings of another truck, whose sensors have the same values.
+    pub fn use_settings(&mut self, settings: AlignSettings<T>) {
+        self.settings = settings;
+    }
+
     /// Takes the value of a signal. `device` is the number of the sending device and the rank of
     /// its signal; the smallest rank is preferred. Call [`next`](Self::next) afterwards until it
     /// returns `None`.

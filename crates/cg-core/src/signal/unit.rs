@@ -56,6 +56,8 @@ pub enum Dimension {
     Pressure,
     /// Length, m.
     Length,
+    /// Whether a part is raised: 0 or 1.
+    Position,
 }
 
 impl Dimension {
@@ -107,6 +109,7 @@ impl Dimension {
                     ]
                 }
             }
+            Self::Position => const { &[unit("raised", &["raised"], 1.0, 1.0)] },
             Self::Length => const { &[unit("m", &["m"], 1.0, 1.0), unit("mm", &["mm"], 1.0, 1e3)] },
         }
     }
@@ -137,7 +140,7 @@ impl Dimension {
 mod tests {
     use super::*;
 
-    const ALL: [Dimension; 8] = [
+    const ALL: [Dimension; 9] = [
         Dimension::Time,
         Dimension::Angle,
         Dimension::AngularRate,
@@ -146,6 +149,7 @@ mod tests {
         Dimension::Mass,
         Dimension::Pressure,
         Dimension::Length,
+        Dimension::Position,
     ];
 
     #[test]

@@ -10,8 +10,8 @@ use std::fmt;
 use std::path::Path;
 use std::str::FromStr;
 
-use cg_core::Quantity;
 use cg_core::signal::j1939::pgn_of;
+use cg_core::{Dimension, Quantity};
 
 use cg_vehicle::files;
 
@@ -60,10 +60,43 @@ pub enum DbcError {
     },
 }
 
+/// What a mapped signal measures.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Mapped {
+    /// A quantity of the estimator.
+    Quantity(Quantity),
+    /// The position of the trailer's lift axles.
+    LiftAxle,
+}
+
+impl Mapped {
+    /// The quantity, if it is one.
+    pub fn quantity(self) -> Option<Quantity> {
+        match self {
+            Self::Quantity(quantity) => Some(quantity),
+            Self::LiftAxle => None,
+        }
+    }
+
+    /// The dimension of its values.
+    pub fn dimension(self) -> Dimension {
+        self.quantity().map_or(Dimension::Position, Quantity::dimension)
+    }
+}
+
+impl fmt::Display for Mapped {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.quantity().map_or(LIFT_AXLE, Quantity::name))
+    }
+}
+
+const LIFT_AXLE: &str = "lift_axle";
+
 /// A mapping as given by the user.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SignalMap {
-    pub(super) quantity: Quantity,
+    pub(super) measures: Mapped,
     /// Name of the message; `None` if the name of the signal is unique.
     pub(super) message: Option<String>,
     pub(super) signal: String,
@@ -86,7 +119,10 @@ impl FromStr for SignalMap {
 
     fn from_str(text: &str) -> Result<Self, Malformed> {
         let (name, rest) = text.split_once('=').ok_or(EXPECTED)?;
-        let quantity = named(name)?;
+        let measures = match name {
+            LIFT_AXLE => Mapped::LiftAxle,
+            _ => Mapped::Quantity(named(name)?),
+        };
         let end = rest.find(['[', '*', '+']).unwrap_or(rest.len());
         let (path, mut tail) = rest.split_at(end);
         let (message, signal) = match path.split_once('.') {
@@ -118,7 +154,7 @@ impl FromStr for SignalMap {
         }
         let text = text.to_owned();
         let signal = signal.to_owned();
-        Ok(Self { quantity, message, signal, unit, factor, offset, text })
+        Ok(Self { measures, message, signal, unit, factor, offset, text })
     }
 }
 
@@ -128,12 +164,12 @@ impl fmt::Display for SignalMap {
     }
 }
 
-/// A signal of a DBC file with the quantity that it measures.
+/// A signal of a DBC file with what it measures.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct MappedSignal {
-    /// The measured quantity.
-    pub quantity: Quantity,
+    /// What it measures.
+    pub measures: Mapped,
     pub(super) identifier: u32,
     pub(super) extended: bool,
     pub(super) start_bit: u16,

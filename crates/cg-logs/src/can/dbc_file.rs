@@ -2,7 +2,7 @@
 
 use can_dbc::{ByteOrder, Dbc, MessageId, MultiplexIndicator, ValueType};
 
-use super::dbc::{DbcError, MappedSignal, SignalMap};
+use super::dbc::{DbcError, Mapped, MappedSignal, SignalMap};
 
 /// Maximum number of names in an error message.
 const MOST_LISTED: usize = 20;
@@ -75,14 +75,18 @@ impl MappedSignal {
         else {
             return Err(fail(format!("a signal of {} bits cannot be read", signal.size)));
         };
-        let unit = map.unit.as_deref().unwrap_or(&signal.unit);
-        let dimension = map.quantity.dimension();
+        let dimension = map.measures.dimension();
+        let unit = match map.unit.as_deref().unwrap_or(&signal.unit) {
+            // A state has no unit.
+            "" if map.measures == Mapped::LiftAxle => dimension.si().suffix,
+            unit => unit,
+        };
         let to_si = dimension.spelled(unit).map(|unit| unit.times / unit.per).ok_or_else(|| {
             let known = dimension.units().iter().flat_map(|unit| unit.spellings);
             fail(format!(
                 "the unit \"{unit}\" is not one of {}; give the unit: {}={}.{}[{}]",
                 known.copied().collect::<Vec<_>>().join(", "),
-                map.quantity,
+                map.measures,
                 message.name,
                 map.signal,
                 dimension.si().suffix,
@@ -99,7 +103,7 @@ impl MappedSignal {
             MessageId::Extended(id) => (id & 0x1FFF_FFFF, true),
         };
         Ok(Self {
-            quantity: map.quantity,
+            measures: map.measures,
             identifier,
             extended,
             start_bit,

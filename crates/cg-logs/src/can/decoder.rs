@@ -1,14 +1,10 @@
 //! Decoding of CAN frames into values, by the J1939 table or by signals of a DBC file.
 
-use std::fmt;
-use std::str::FromStr;
-
 use cg_core::Quantity;
 use cg_core::signal::j1939::{self, Compensation, Slope};
 
-use crate::malformed::Malformed;
-
-use super::dbc::{MappedSignal, RANK, named};
+use super::dbc::{Mapped, MappedSignal, RANK};
+use super::device_filter::DeviceFilter;
 use super::frame::Frame;
 
 /// A number that identifies the sending device, and the rank of its signal, for
@@ -18,42 +14,6 @@ pub type Device = (u32, u8);
 /// Bit that marks an 11-bit identifier in device numbers.
 const STANDARD: u32 = 0x8000_0000;
 const WITHOUT_PRIORITY: u32 = 0x03FF_FFFF;
-
-/// The only source address from which a quantity is accepted.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct DeviceFilter {
-    quantity: Quantity,
-    address: u8,
-}
-
-impl DeviceFilter {
-    pub(super) fn quantity(self) -> Quantity {
-        self.quantity
-    }
-}
-
-impl fmt::Display for DeviceFilter {
-    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(out, "{}=0x{:02X}", self.quantity.name(), self.address)
-    }
-}
-
-impl FromStr for DeviceFilter {
-    type Err = Malformed;
-
-    fn from_str(text: &str) -> Result<Self, Malformed> {
-        let expected = "expected QUANTITY=ADDRESS with a source address from 0 to 253, as in \
-                        roll=0xE4 or speed=0";
-        let (name, address) = text.split_once('=').ok_or(expected)?;
-        let quantity = named(name)?;
-        let address = match address.strip_prefix("0x").or_else(|| address.strip_prefix("0X")) {
-            Some(digits) => u8::from_str_radix(digits, 16),
-            None => address.parse(),
-        };
-        let address = address.ok().filter(|address| *address <= 253).ok_or(expected)?;
-        Ok(Self { quantity, address })
-    }
-}
 
 /// What the lateral acceleration of VDC2 (SPN 1809) is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -121,9 +81,9 @@ impl Decoder {
         let kind = if frame.extended { 0 } else { STANDARD };
         let number = frame.identifier & WITHOUT_PRIORITY | kind | bus_bits(frame.bus);
         for signal in self.mapped.iter().filter(|signal| signal.is_of(frame)) {
+            let Mapped::Quantity(quantity) = signal.measures else { continue };
             if let Some(value) = signal.decode(frame) {
-                let sign = sign(self.flipped.contains(&signal.quantity));
-                found(signal.quantity, (number, RANK), sign * value);
+                found(quantity, (number, RANK), sign(self.flipped.contains(&quantity)) * value);
             }
         }
         if !frame.extended {
@@ -146,6 +106,17 @@ impl Decoder {
             },
         );
         Slope::of(frame.identifier, frame.data()).filter(|_| listens(Quantity::Roll))
+    }
+
+    /// Whether some frame may have the position of the lift axles.
+    pub fn maps_lift_axle(&self) -> bool {
+        self.mapped.iter().any(|signal| signal.measures == Mapped::LiftAxle)
+    }
+
+    /// The position of the lift axles in a frame.
+    pub fn lift_axle(&self, frame: &Frame) -> Option<f64> {
+        let mut mapped = self.mapped.iter().filter(|signal| signal.measures == Mapped::LiftAxle);
+        mapped.find(|signal| signal.is_of(frame))?.decode(frame)
     }
 
     /// Calls `found` with each quantity of a frame that is not used because a [filter](DeviceFilter) accepts it from
@@ -203,7 +174,7 @@ impl Decoder {
 
     /// The quantities of the mapped signals, in the order of the options.
     pub fn mapped(&self) -> impl Iterator<Item = Quantity> {
-        self.mapped.iter().map(|signal| signal.quantity)
+        self.mapped.iter().filter_map(|signal| signal.measures.quantity())
     }
 
     /// The rule for slope sensors.
@@ -232,9 +203,9 @@ impl Decoder {
     fn accepts(&self, quantity: Quantity, identifier: u32) -> bool {
         let source = identifier & 0xFF;
         let mut filters =
-            self.filters.iter().filter(|filter| siblings(quantity).contains(&filter.quantity));
+            self.filters.iter().filter(|filter| siblings(quantity).contains(&filter.quantity()));
         filters.clone().next().is_none()
-            || filters.any(|filter| u32::from(filter.address) == source)
+            || filters.any(|filter| u32::from(filter.address()) == source)
     }
 
     /// Identifier, whether it has 29 bits, and mask of all frames with usable values, for a kernel
@@ -282,6 +253,7 @@ const fn bus_bits(bus: u8) -> u32 {
 mod tests {
     use super::*;
     use crate::can::SignalMap;
+    use crate::can::dbc::named;
 
     const DBC: &str = r#"VERSION ""
 

@@ -6,6 +6,7 @@
 //! | `candump`, `reader` | lines in the candump format, and a log of them |
 //! | `asc` | a log in the format ASC |
 //! | `dbc`, `dbc_file` | signals of a DBC file, mapped to quantities |
+//! | `device_filter` | the source address from which a quantity is accepted |
 //! | `decoder` | values of frames: J1939 and the mapped signals |
 //! | `clock` | a continuous time from time stamps |
 //! | `sampler` | samples from frames, with all of these |
@@ -21,6 +22,7 @@ mod candump;
 mod dbc;
 #[cfg(feature = "dbc")]
 mod dbc_file;
+mod device_filter;
 mod decoder;
 mod reader;
 mod asc;
@@ -32,8 +34,9 @@ pub use asc::AscReader;
 pub(crate) use asc::is_asc;
 pub use candump::{CandumpError, Content, Line, parse};
 pub use clock::{Clock, Instant};
-pub use dbc::{DbcError, MappedSignal, SignalMap};
-pub use decoder::{Decoder, Device, DeviceFilter, Vdc2};
+pub use dbc::{DbcError, Mapped, MappedSignal, SignalMap};
+pub use decoder::{Decoder, Device, Vdc2};
+pub use device_filter::DeviceFilter;
 pub use frame::Frame;
 pub use reader::{CandumpFault, CandumpReader};
 pub use sampler::Sampler;

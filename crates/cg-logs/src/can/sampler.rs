@@ -2,6 +2,7 @@
 
 use cg_core::signal::align::Taken;
 use cg_core::{AlignSettings, Aligner, Quantity, Sample};
+use cg_vehicle::lift::LiftAxle;
 use cg_vehicle::scales::Scale;
 
 use super::clock::{Clock, Instant};
@@ -15,6 +16,10 @@ use super::tally::Tally;
 pub struct Sampler {
     decoder: Decoder,
     settings: AlignSettings<f64>,
+    /// Those of the truck with its lift axles raised, if it has any, or those of before.
+    raised: Option<AlignSettings<f64>>,
+    lift_axle: LiftAxle,
+    heard_lift_axle: f64,
     aligner: Aligner<f64>,
     clock: Clock,
     now_us: u64,
@@ -30,12 +35,44 @@ impl Sampler {
             sources: Sources::new(decoder.filters()),
             decoder,
             settings,
+            raised: None,
+            lift_axle: LiftAxle::Down,
+            heard_lift_axle: f64::NAN,
             aligner: Aligner::new(settings),
             clock: Clock::default(),
             now_us: 0,
             tally: Tally::default(),
             values_of_other_sources: 0,
         }
+    }
+
+    /// The same for a truck whose lift axles may be raised, too, and the settings that it then has.
+    #[must_use]
+    pub fn with_raised(self, raised: Option<AlignSettings<f64>>) -> Self {
+        Self { raised, ..self }
+    }
+
+    /// The position of the lift axles: 0 down, 1 raised, NaN if no frame has said it.
+    pub fn lift_axle(&self) -> f64 {
+        self.heard_lift_axle
+    }
+
+    /// Takes the position of the lift axles; a value that is none is ignored.
+    pub fn follow_lift_axle(&mut self, value: f64) {
+        if let Some(position) = LiftAxle::of_value(value) {
+            self.heard_lift_axle = position.value();
+            self.resume(position);
+        }
+    }
+
+    /// Begins with the lift axles where they were before a restart.
+    pub fn resume(&mut self, position: LiftAxle) {
+        let Some(other) = self.raised.as_mut().filter(|_| position != self.lift_axle) else {
+            return;
+        };
+        core::mem::swap(other, &mut self.settings);
+        self.lift_axle = position;
+        self.aligner.use_settings(self.settings);
     }
 
     /// Adds a frame and returns its stream time. `monotonic_us` is the monotonic clock at
@@ -50,6 +87,9 @@ impl Sampler {
         let instant = self.clock.stream(frame.time_us, monotonic_us);
         let now_us = instant.stream_us;
         self.now_us = now_us;
+        if let Some(value) = self.decoder.lift_axle(frame) {
+            self.follow_lift_axle(value);
+        }
         let Self { decoder, aligner, tally, values_of_other_sources, sources, .. } = self;
         sources.begin(now_us);
         decoder.refused(frame, |quantity, address| {
@@ -163,5 +203,51 @@ impl Sampler {
         let of_sources = self.sources.remarks().into_iter();
         let of_sources = of_sources.map(|(signal, sentence)| format!("{signal}: {sentence}"));
         self.tally.remarks(&self.settings).into_iter().chain(of_sources).collect()
+    }
+}
+
+#[cfg(test)]
+#[cfg(feature = "dbc")]
+mod tests {
+    use super::*;
+    use crate::can::{MappedSignal, SignalMap};
+
+    const DBC: &str = r#"VERSION ""
+
+BU_: TRAILER
+
+BO_ 512 STATE: 8 TRAILER
+ SG_ LiftAxle : 0|8@1+ (1,0) [0|1] "" Vector__XXX
+ SG_ AxleLoad : 8|16@1+ (1,0) [0|0] "kg" Vector__XXX
+ SG_ Roll : 24|16@1- (0.001,0) [0|0] "deg" Vector__XXX
+"#;
+
+    /// On two of three axles, 10 t of axle load are another trailer mass than on three.
+    #[test]
+    fn a_raised_axle_changes_what_a_scale_says() {
+        let maps =
+            ["lift_axle=STATE.LiftAxle", "trailer_axle_load=STATE.AxleLoad", "roll=STATE.Roll"];
+        let maps: Vec<SignalMap> = maps.into_iter().map(|map| map.parse().unwrap()).collect();
+        let mapped = MappedSignal::parse("state.dbc", DBC, &maps).unwrap();
+        let decoder = Decoder::new(mapped, Vec::new(), Vec::new());
+        let settings =
+            |slope| AlignSettings { mass_of_axle_load: Some([1e3, slope]), ..AlignSettings::NONE };
+        let mut sampler = Sampler::new(decoder, settings(1.5)).with_raised(Some(settings(1.4)));
+        let mut masses_kg = |lift_axle: u8| {
+            let mut found = Vec::new();
+            for k in 0..50 {
+                let load = 10_000_u16.to_le_bytes();
+                let data = [lift_axle, load[0], load[1], k, 0];
+                let time_us = sampler.now_us() + 20_000;
+                sampler.push(&Frame::new(time_us, 512, false, &data).unwrap(), None, |_| {});
+                found.extend(std::iter::from_fn(|| sampler.next_sample()));
+            }
+            let last = found.last().unwrap();
+            (last.trailer_mass_kg, sampler.lift_axle())
+        };
+        assert_eq!(masses_kg(0), (16e3, 0.0));
+        assert_eq!(masses_kg(1), (15e3, 1.0));
+        assert_eq!(masses_kg(7), (15e3, 1.0), "no position leaves it where it was");
+        assert_eq!(masses_kg(0), (16e3, 0.0));
     }
 }

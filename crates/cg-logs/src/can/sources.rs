@@ -4,7 +4,8 @@ use std::collections::BTreeSet;
 
 use cg_core::Quantity;
 
-use super::decoder::{DeviceFilter, siblings};
+use super::decoder::siblings;
+use super::device_filter::DeviceFilter;
 
 /// Time after the first frame within which a device should have sent a value, µs (a mass is sent once a second).
 const BEGUN_US: u64 = 3_000_000;

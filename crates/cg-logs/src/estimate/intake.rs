@@ -13,6 +13,7 @@ use super::leaning::Leaning;
 use super::left_out::LeftOut;
 use super::means::SampleSum;
 use super::options::EstimateOptions;
+use super::positions::{Lift, Truck};
 use super::rated::Rated;
 use super::recorder::Recorder;
 use super::rolls::RollCheck;
@@ -23,8 +24,9 @@ use super::strong::StrongTurns;
 use super::unheard::Unheard;
 use crate::log::{LogRow, Signal};
 use cg_vehicle::Vehicle;
-use cg_vehicle::design::design;
+use cg_vehicle::belief::Belief;
 use cg_vehicle::error::VehicleError;
+use cg_vehicle::lift::LiftAxle;
 use cg_vehicle::scales::Scale;
 
 /// Number of maneuvers of a log that are kept; further ones are only counted. A year of driving has
@@ -47,6 +49,8 @@ pub struct Identified {
     pub trailer_mass_is_known: bool,
     /// The trailer mass in the log in the last turn, kg, also if an option replaced it.
     pub logged_mass_kg: Option<f64>,
+    /// Where the lift axles were, and when they moved after a maneuver, s; the ratios are those since then.
+    pub lift_axle: (LiftAxle, Option<f64>),
     /// When the load has changed in the log, s; the ratios are those of the last load.
     pub load_since_s: Option<f64>,
     /// DC ratios in the order of [`Channel::ALL`](cg_core::Channel::ALL), with the standard deviation due to noise.
@@ -65,6 +69,7 @@ pub struct LogEstimator {
     pub(super) design: Design<f64>,
     pub(super) options: EstimateOptions,
     pub(super) settings: AlignSettings<f64>,
+    pub(super) lift: Lift,
     pub(super) engine: Engine,
     pub(super) origin_s: Option<f64>,
     previous_us: Option<u64>,
@@ -105,8 +110,29 @@ impl LogEstimator {
     /// # Errors
     /// [`VehicleError`] if the vehicle gives no usable design.
     pub fn new(vehicle: &Vehicle, options: EstimateOptions) -> Result<Self, VehicleError> {
-        let design = design(vehicle, options.variant)?;
-        Ok(Self::from_design(&design, vehicle.align_settings(), options.with_file(vehicle)))
+        Self::of_truck(vehicle, &Belief::prior(vehicle), options)
+    }
+
+    /// An estimator for logs of `vehicle`, whose parameters have this distribution. Lift axles are where the options say, or
+    /// else where the log does.
+    ///
+    /// # Errors
+    /// As [`Truck::positions`].
+    pub fn of_truck(
+        vehicle: &Vehicle,
+        belief: &Belief,
+        options: EstimateOptions,
+    ) -> Result<Self, VehicleError> {
+        let (present, raised) = Truck::positions(vehicle, belief, options)?;
+        Ok(Self::of_positions(&present, raised))
+    }
+
+    /// An estimator for a truck as it is; if it may have its lift axles raised, the signal `lift_axle` says when, and this is the
+    /// truck with them raised.
+    pub fn of_positions(present: &Truck, raised: Option<Truck>) -> Self {
+        let &Truck { ref design, settings, options } = present;
+        let lift = Lift::new(options.lift_axle, raised);
+        Self { lift, ..Self::from_design(design, settings, options) }
     }
 
     /// An estimator with an existing design.
@@ -117,6 +143,7 @@ impl LogEstimator {
     ) -> Self {
         Self {
             engine: Engine::new(design, &options),
+            lift: Lift::new(options.lift_axle, None),
             design: *design,
             options,
             settings,
@@ -146,6 +173,25 @@ impl LogEstimator {
         }
     }
 
+    /// Follows the lift axles. If they have moved, the truck is another one, and the estimator begins again.
+    fn follow(&mut self, row: &LogRow) {
+        let Some(mut there) = self.lift.follow(row.lift_axle) else { return };
+        self.end();
+        core::mem::swap(&mut there.design, &mut self.design);
+        core::mem::swap(&mut there.settings, &mut self.settings);
+        core::mem::swap(&mut there.options, &mut self.options);
+        self.lift.leave(there, (row.time_s, self.maneuvers.len()));
+        self.first_of_load = self.maneuvers.len();
+        self.engine = Engine::new(&self.design, &self.options);
+        (self.neighbors, self.status, self.seen_kinds) =
+            (Neighbors::NONE, Status::Straight, (0, false));
+        self.sensors.close(true);
+        (self.leaning, self.strong) = (Leaning::default(), StrongTurns::default());
+        (self.rated, self.left_out) = (Rated::default(), LeftOut::default());
+        (self.unheard, self.stop) = (Unheard::default(), SinceStop::default());
+        self.recorder = None;
+    }
+
     /// Records the inputs and roll angles of the next rows.
     pub(crate) fn record(&mut self) {
         self.recorder = Some(Box::new(Recorder::new(&self.design)));
@@ -162,6 +208,7 @@ impl LogEstimator {
     /// [`SampleError`] if the time is not later than that of the previous row (at a resolution of 1
     /// µs).
     pub fn push(&mut self, row: &LogRow) -> Result<Status, SampleError> {
+        self.follow(row);
         let sample = self.sample(row);
         let time_us = sample.time_us;
         if let Some(previous_us) = self.previous_us.filter(|previous_us| time_us <= *previous_us) {
@@ -261,12 +308,19 @@ impl LogEstimator {
         &self.design
     }
 
-    /// Ends the log and returns its maneuvers with the time of their end, s, and whether their mass is
+    /// Where the lift axles are.
+    pub fn lift_axle(&self) -> LiftAxle {
+        self.lift.position()
+    }
+
+    /// Ends the log and returns its maneuvers since the lift axles have moved, with the time of their end, s, and whether their mass is
     /// from a signal in the log.
     pub fn maneuvers(mut self) -> impl Iterator<Item = (Maneuver<f64>, f64, bool)> {
         self.end();
         let origin_s = self.origin_s.unwrap_or(0.0);
-        self.maneuvers.into_iter().zip(self.are_weighed).map(move |(maneuver, weighed)| {
+        let before = self.lift.moved().map_or(0, |(_, maneuvers)| maneuvers);
+        let all = self.maneuvers.into_iter().zip(self.are_weighed).skip(before);
+        all.map(move |(maneuver, weighed)| {
             #[allow(clippy::cast_precision_loss)] // 2^53 µs are 285 years
             let end_s = origin_s + maneuver.end_us as f64 * 1e-6;
             (maneuver, end_s, weighed)

@@ -54,6 +54,7 @@ impl LogEstimator {
                 self.more_maneuvers
             ));
         }
+        messages.extend(self.lift.messages());
         messages.extend(self.turns_messages());
         messages.extend(self.sensors.coarse());
         messages.extend(self.seized());

@@ -4,6 +4,7 @@
 //! |---|---|
 //! | `options` | options of the estimate |
 //! | `known` | speed and trailer mass that replace those of the log: what they may be |
+//! | `positions` | the truck with its lift axles down and raised |
 //! | `engine` | the estimator with the chosen method |
 //! | `answer` | the result for a log |
 //! | `signals` | whether lateral acceleration, yaw rate and speed agree |
@@ -39,6 +40,7 @@
 mod options;
 mod known;
 mod answer;
+mod positions;
 mod engine;
 mod pair;
 mod signals;
@@ -86,6 +88,7 @@ pub(crate) use options::EMPTY_SHARE;
 pub use options::{
     ChannelChoice, EstimateOptions, Method, QUANTILE_95, RoadChoice, UnknownRoad, interval_95,
 };
+pub use positions::{Lift, Truck};
 pub use prediction::Prediction;
 pub use rated::Rated;
 pub use road::RoadPart;

@@ -8,6 +8,7 @@ use cg_vehicle::assumptions::has_unplaced_roll_sensor;
 use cg_vehicle::calibration::Judgment;
 use cg_vehicle::floor::Floor;
 use cg_vehicle::lean::Lean;
+use cg_vehicle::lift::LiftAxle;
 use cg_vehicle::scales::Scales;
 use cg_vehicle::second_sensor::slopes;
 use cg_vehicle::{Variant, Vehicle};
@@ -150,6 +151,9 @@ pub struct EstimateOptions {
     /// Standard deviation of the trailer mass, kg. `None`: that of its scale; without any mass, the
     /// trailer may have any load.
     pub trailer_mass_sd_kg: Option<f64>,
+    /// Position of the lift axles that replaces that in the log.
+    #[serde(default)]
+    pub lift_axle: Option<LiftAxle>,
     /// How exact the sources of the trailer mass are.
     pub scales: Scales,
     /// The roads of the log. `None`: roll angles relative to gravity are taken as measured on
@@ -226,6 +230,7 @@ impl Default for EstimateOptions {
             speed_mps: None,
             trailer_mass_kg: None,
             trailer_mass_sd_kg: None,
+            lift_axle: None,
             scales: Scales::EXACT,
             road: None,
             judgment: None,

@@ -54,7 +54,8 @@ impl FrameRows {
     /// A converter without frames.
     pub fn new(options: &LogOptions) -> Self {
         Self {
-            sampler: Sampler::new(options.decoder(), options.settings.unwrap_or_default()),
+            sampler: Sampler::new(options.decoder(), options.settings.unwrap_or_default())
+                .with_raised(options.raised),
             without_truck: options.settings.is_none(),
             origin_s: None,
             scale: None,
@@ -76,6 +77,11 @@ impl FrameRows {
     pub fn push_value(&mut self, quantity: Quantity, time_us: u64, value: f64) {
         let instant = self.sampler.push_value(quantity, time_us, value);
         self.begin(time_us, instant);
+    }
+
+    /// Takes the position of the lift axles that was not measured by a CAN frame; NaN is none.
+    pub fn follow_lift_axle(&mut self, value: f64) {
+        self.sampler.follow_lift_axle(value);
     }
 
     fn begin(&mut self, time_us: u64, instant: Instant) {
@@ -100,7 +106,8 @@ impl FrameRows {
         self.scale = self.sampler.scale(sample.time_us);
         #[allow(clippy::cast_precision_loss)]
         let time_s = self.origin_s.unwrap_or(0.0) + sample.time_us as f64 * 1e-6;
-        let mut row = LogRow::of_sample(time_s, sample);
+        let lift_axle = self.sampler.lift_axle();
+        let mut row = LogRow { lift_axle, ..LogRow::of_sample(time_s, sample) };
         // Whoever reads the row without the frames has nothing else that says how exact its mass is.
         if let Some(scale) = self.scale.filter(|_| self.without_truck && self.hears_bus) {
             let sd_kg = scale.usual_sd_kg(row.trailer_mass_kg);
@@ -153,7 +160,9 @@ impl FrameRows {
 
     /// The signals that rows can contain.
     pub fn signals(&self) -> Vec<Signal> {
-        let may = |signal: &Signal| self.without_truck || SAMPLED.contains(signal);
+        let is_mapped =
+            |one: &Signal| *one == Signal::LiftAxle && self.sampler.decoder().maps_lift_axle();
+        let may = |one: &Signal| self.without_truck || SAMPLED.contains(one) || is_mapped(one);
         Signal::ALL.into_iter().filter(may).collect()
     }
 

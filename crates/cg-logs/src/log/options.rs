@@ -5,6 +5,9 @@ use std::str::FromStr;
 use cg_core::signal::j1939::Compensation;
 use cg_core::{AlignSettings, Unit};
 
+use cg_vehicle::lift::LiftAxle;
+use cg_vehicle::{Vehicle, VehicleError};
+
 use crate::can::{Decoder, DeviceFilter, MappedSignal, Vdc2};
 
 use super::signal::{Signal, UnknownSignal};
@@ -24,9 +27,26 @@ pub struct LogOptions {
     /// truck [cannot have](AlignSettings::believes) are absent, and the steer angle of a CAN log is
     /// known. Without them, the values of a table are used unchanged.
     pub settings: Option<AlignSettings<f64>>,
+    /// The same with the lift axles raised, if frames may say that they are.
+    pub raised: Option<AlignSettings<f64>>,
 }
 
 impl LogOptions {
+    /// The same for the logs of a vehicle whose lift axles are in a given position, or where the log says.
+    ///
+    /// # Errors
+    /// As [`Vehicle::with_lift_axle`].
+    pub fn of_vehicle(
+        self,
+        vehicle: &Vehicle,
+        given: Option<LiftAxle>,
+    ) -> Result<Self, VehicleError> {
+        let present = vehicle.clone().with_lift_axle(given.unwrap_or_default())?;
+        let raised = if given.is_none() { vehicle.raised()? } else { None };
+        let raised = raised.map(|raised| raised.align_settings());
+        Ok(Self { settings: Some(present.align_settings()), raised, ..self })
+    }
+
     /// The decoder for the frames of a log.
     pub fn decoder(&self) -> Decoder {
         let flipped = self.flip.iter().filter_map(|signal| signal.quantity()).collect();

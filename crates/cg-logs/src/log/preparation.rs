@@ -94,6 +94,7 @@ impl Preparation {
             // The times of a table are whole microseconds at most.
             #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
             let time_us = (row.time_s.max(0.0) * 1e6).round() as u64;
+            frames.follow_lift_axle(row.lift_axle);
             for signal in Signal::ALL {
                 let value = row.get(signal);
                 if let Some(quantity) = signal.quantity().filter(|_| !value.is_nan()) {

@@ -1,8 +1,9 @@
 //! Signals of a log (the time, all quantities of [`cg_core::quantities!`], the roll rate, the roll of an
-//! axle to gravity and the standard deviation of the trailer mass) and one row of them.
+//! axle to gravity, the standard deviation of the trailer mass and the position of the lift axles) and one row of them.
 //!
-//! The last three are no quantities of the estimator, which has no room for more on a chip: `roll_rate`
-//! makes a roll angle of the rate, and a row makes the roll of the suspension of that of an axle.
+//! The last four are no quantities of the estimator, which has no room for more on a chip: `roll_rate`
+//! makes a roll angle of the rate, a row makes the roll of the suspension of that of an axle, and raised lift axles
+//! make another truck.
 
 use std::fmt;
 use std::str::FromStr;
@@ -30,6 +31,8 @@ macro_rules! rows {
             pub axle_roll_to_gravity_rad: f64,
             /// Standard deviation of the trailer mass, kg.
             pub trailer_mass_sd_kg: f64,
+            /// Position of the trailer's lift axles: 0 down, 1 raised.
+            pub lift_axle: f64,
         }
 
         impl LogRow {
@@ -41,6 +44,7 @@ macro_rules! rows {
                     Signal::RollRate => self.roll_rate_radps,
                     Signal::AxleRollToGravity => self.axle_roll_to_gravity_rad,
                     Signal::TrailerMassSd => self.trailer_mass_sd_kg,
+                    Signal::LiftAxle => self.lift_axle,
                     $(Signal::$variant => self.$field),+
                 }
             }
@@ -48,14 +52,21 @@ macro_rules! rows {
             /// A row with these values in the order of [`Signal::ALL`].
             #[inline]
             pub const fn from_values(values: [f64; Signal::COUNT]) -> Self {
-                let [time_s, $($field,)+ roll_rate_radps, axle_roll_to_gravity_rad, trailer_mass_sd_kg] =
-                    values;
+                let [
+                    time_s,
+                    $($field,)+
+                    roll_rate_radps,
+                    axle_roll_to_gravity_rad,
+                    trailer_mass_sd_kg,
+                    lift_axle,
+                ] = values;
                 Self {
                     time_s,
                     $($field,)+
                     roll_rate_radps,
                     axle_roll_to_gravity_rad,
                     trailer_mass_sd_kg,
+                    lift_axle,
                 }
             }
         }
@@ -72,12 +83,20 @@ macro_rules! rows {
             AxleRollToGravity,
             /// Standard deviation of the trailer mass.
             TrailerMassSd,
+            /// Position of the trailer's lift axles.
+            LiftAxle,
         }
 
         impl Signal {
             /// Every signal, in the order of the fields of [`LogRow`].
-            pub const ALL: [Self; Self::COUNT] =
-                [Self::Time, $(Self::$variant,)+ Self::RollRate, Self::AxleRollToGravity, Self::TrailerMassSd];
+            pub const ALL: [Self; Self::COUNT] = [
+                Self::Time,
+                $(Self::$variant,)+
+                Self::RollRate,
+                Self::AxleRollToGravity,
+                Self::TrailerMassSd,
+                Self::LiftAxle,
+            ];
 
             /// The quantity of the estimator; `None` for what only logs have.
             pub const fn quantity(self) -> Option<Quantity> {
@@ -85,7 +104,8 @@ macro_rules! rows {
                     Self::Time
                     | Self::RollRate
                     | Self::AxleRollToGravity
-                    | Self::TrailerMassSd => None,
+                    | Self::TrailerMassSd
+                    | Self::LiftAxle => None,
                     $(Self::$variant => Some(Quantity::$variant)),+
                 }
             }
@@ -195,7 +215,7 @@ impl Signal {
     }
 
     /// Number of signals.
-    pub const COUNT: usize = 4 + Quantity::COUNT;
+    pub const COUNT: usize = 5 + Quantity::COUNT;
 
     /// The name without the unit, such as `roll`.
     pub const fn name(self) -> &'static str {
@@ -205,6 +225,7 @@ impl Signal {
                 Self::RollRate => "roll_rate",
                 Self::AxleRollToGravity => "axle_roll_to_gravity",
                 Self::TrailerMassSd => "trailer_mass_sd",
+                Self::LiftAxle => "lift_axle",
                 _ => "time",
             },
         }
@@ -218,6 +239,7 @@ impl Signal {
                 Self::RollRate => "roll_rate_radps",
                 Self::AxleRollToGravity => "axle_roll_to_gravity_rad",
                 Self::TrailerMassSd => "trailer_mass_sd_kg",
+                Self::LiftAxle => "lift_axle_raised",
                 _ => "time_s",
             },
         }
@@ -241,6 +263,7 @@ impl Signal {
                     "Roll angle of an axle of the trailer to gravity, positive right side down."
                 }
                 Self::TrailerMassSd => "Standard deviation of the trailer mass.",
+                Self::LiftAxle => "Position of the trailer's lift axles: 0 down, 1 raised.",
                 _ => "Time stamp from any origin, strictly increasing.",
             },
         }
@@ -253,6 +276,7 @@ impl Signal {
                 Self::RollRate => Dimension::AngularRate,
                 Self::AxleRollToGravity => Dimension::Angle,
                 Self::TrailerMassSd => Dimension::Mass,
+                Self::LiftAxle => Dimension::Position,
                 _ => Dimension::Time,
             },
         }
@@ -291,8 +315,9 @@ impl Signal {
 
     /// The unit that messages suggest: the most common one in logs of other programs.
     pub(super) fn usual_unit(self) -> &'static str {
-        let of = |place: usize| self.dimension().units()[place].suffix;
-        if self == Self::Time { of(0) } else { of(1) }
+        let units = self.dimension().units();
+        let place = usize::from(self != Self::Time && units.len() > 1);
+        units[place].suffix
     }
 
     /// Whether any signal has a unit with this suffix.

@@ -7,6 +7,7 @@ use cg_logs::estimate::{EstimateOptions, LogEstimate, LogEstimator};
 use cg_logs::log::{LogOptions, LogReader, LogRow};
 use cg_vehicle::belief::{Belief, Deviations};
 use cg_vehicle::calibration::{Calibration, Run};
+use cg_vehicle::lift::LiftAxle;
 use cg_vehicle::linear::ratio_line;
 use cg_vehicle::{Load, Variant, Vehicle, VehicleError};
 
@@ -130,6 +131,7 @@ pub(crate) fn runs_of(
                 speed_mps,
                 turn_g: None,
                 ratio,
+                lift_axle: LiftAxle::Down,
                 age_s: None,
             }
         })

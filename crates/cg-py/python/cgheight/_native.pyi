@@ -68,6 +68,11 @@ class Vehicle:
         """Return the same vehicle with a calibration."""
     def on_road(self, road: str | float, /) -> Vehicle:
         """Return the same vehicle on other roads."""
+    def with_lift_axle(self, position: Literal["down", "raised"], /) -> Vehicle:
+        """Return the same vehicle with its lift axles in a position."""
+    @property
+    def lift_axle(self) -> Literal["down", "raised"] | None:
+        """Where the lift axles are, or None if only a log says it."""
     @property
     def is_calibrated(self) -> bool:
         """Whether the vehicle has a calibration, bool."""

@@ -8,6 +8,7 @@ use crate::belief::{Belief, Parameter};
 use crate::calibration::fit::Fitted;
 use crate::calibration::ratios::Run;
 use crate::calibration::shape::Shape;
+use crate::lift::LiftAxle;
 use crate::system::Rational;
 
 /// One parameter.
@@ -115,6 +116,9 @@ pub struct RunEntry {
     /// Its standard deviation; 0 is exact.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub trailer_mass_sd_kg: f64,
+    /// Where the lift axles were.
+    #[serde(default, skip_serializing_if = "LiftAxle::is_down")]
+    pub lift_axle: LiftAxle,
     /// Mean speed of its turns, m/s.
     pub speed_mps: f64,
     /// Lateral acceleration of its turns, g; absent if it is not known.
@@ -176,6 +180,7 @@ impl RunEntry {
             height_sd_m: fitted.heights[index].map(|found| found.sd),
             trailer_mass_kg: run.load.trailer_mass_kg,
             trailer_mass_sd_kg: run.trailer_mass_sd_kg,
+            lift_axle: run.lift_axle,
             speed_mps: run.speed_mps,
             turn_g: run.turn_g,
             channel,

@@ -19,6 +19,7 @@ use crate::calibration::statement::{of_shapes, statements};
 use crate::equations::Variant;
 use crate::error::VehicleError;
 use crate::files::{self, Unsealed};
+use crate::lift::Positions;
 use crate::load::Load;
 use crate::ratio_spread::log_ratios_of_file;
 use crate::reduction::Shapes;
@@ -301,7 +302,9 @@ impl Calibration {
         if self.part != Part::Vehicle {
             return Ok(()); // the trailer may be another one
         }
+        let positions = Positions::of(vehicle).map_err(|error| error.to_string())?;
         for run in &self.run {
+            let vehicle = positions.at(run.lift_axle).map_err(|error| error.to_string())?;
             let load = Load { trailer_mass_kg: run.trailer_mass_kg, cg_height_m: run.height_m };
             let logs = log_ratios_of_file(vehicle, self.model, (run.speed_mps, run.turn_g), load)
                 .map_err(|error| error.to_string())?;

@@ -78,7 +78,10 @@ pub(super) fn checksums(
         // No ratio depends on how far loads stand beside the middle.
         let payload_beside_sd_m = USUAL_PAYLOAD_BESIDE_SD_M;
         add("uncertainty", sum(Uncertainty { payload_beside_sd_m, ..vehicle.uncertainty })?);
-        add("trailer", sum(&vehicle.trailer)?);
+        // A lift axle that is down is like any other, and of runs with it raised the ratios are compared.
+        let mut trailer = vehicle.trailer.clone();
+        trailer.axle.iter_mut().for_each(|axle| axle.lift_m = None);
+        add("trailer", sum(&trailer)?);
         add("tyre", sum(&vehicle.tyre)?);
         add("spring", sum(&vehicle.spring)?);
         add("sensors", sum(SensorPlaces { mass: None, ..vehicle.sensors })?);

@@ -6,6 +6,7 @@ use nalgebra::{DMatrix, DVector};
 use crate::belief::{Deviations, PARAMETERS, adjusted};
 use crate::equations::Variant;
 use crate::error::VehicleError;
+use crate::lift::{LiftAxle, Positions};
 use crate::linear::ratio_line;
 use crate::load::Load;
 use crate::ratio_spread::{
@@ -25,6 +26,8 @@ pub struct Run {
     pub height_sd_m: f64,
     /// Standard deviation of its mass, kg; 0 is exact.
     pub trailer_mass_sd_kg: f64,
+    /// Where the lift axles were.
+    pub lift_axle: LiftAxle,
     /// Mean speed of its turns, m/s.
     pub speed_mps: f64,
     /// Lateral acceleration of its turns, g, which decides how soft the tires are; `None`: that of usual turns.
@@ -106,7 +109,7 @@ pub(super) struct Observation {
 
 /// The ratios of some runs, and the model with which they are compared.
 pub(super) struct Ratios<'a> {
-    vehicle: &'a Vehicle,
+    vehicle: Positions<'a>,
     variant: Variant,
     pub(super) runs: Vec<Run>,
     pub(super) observations: Vec<Observation>,
@@ -120,6 +123,8 @@ impl<'a> Ratios<'a> {
         residual_sd: f64,
     ) -> Result<Self, VehicleError> {
         let observations = observations(runs)?;
+        let vehicle = Positions::of(vehicle)?;
+        runs.iter().try_for_each(|run| vehicle.at(run.lift_axle).map(drop))?;
         Ok(Self { vehicle, variant, runs: runs.to_vec(), observations, residual_sd })
     }
 
@@ -152,7 +157,7 @@ impl<'a> Ratios<'a> {
             .iter()
             .map(|run| {
                 let turn = (run.speed_mps, run.turn_g);
-                log_ratios(self.vehicle, self.variant, turn, run.load, mean).map_err(|error| {
+                log_ratios(self.vehicle.at(run.lift_axle)?, self.variant, turn, run.load, mean).map_err(|error| {
                     VehicleError::Model(format!(
                         "{}: {error}; check the heights and masses of the runs, and whether their logs \
                          are of this vehicle",
@@ -175,8 +180,9 @@ impl<'a> Ratios<'a> {
         run: usize,
         mean: &Deviations,
     ) -> Result<[f64; CHANNELS], VehicleError> {
-        let Run { speed_mps, load, .. } = self.runs[run];
-        let lines = ratio_line(&adjusted(self.vehicle, mean), self.variant, speed_mps, load)?;
+        let Run { speed_mps, load, lift_axle, .. } = self.runs[run];
+        let vehicle = self.vehicle.at(lift_axle)?;
+        let lines = ratio_line(&adjusted(vehicle, mean), self.variant, speed_mps, load)?;
         Ok(lines.map(|line| line.relative_slope_at(load.cg_height_m)))
     }
 
@@ -198,7 +204,8 @@ impl<'a> Ratios<'a> {
             }
         }
         let first_in_service = (0..runs.len()).find(|&run| in_service(run));
-        for (run, Run { load, turn_g, .. }) in runs.iter().enumerate() {
+        for (run, Run { load, turn_g, lift_axle, .. }) in runs.iter().enumerate() {
+            let vehicle = vehicle.at(*lift_axle)?;
             // Trips in service are alike, so this is common to all of them.
             if in_service(run) && Some(run) != first_in_service {
                 continue;
@@ -230,10 +237,11 @@ impl<'a> Ratios<'a> {
     /// Adds the place of the payload and the errors of its mass and its height, which are others in each run and the
     /// same for all ratios of a run.
     fn add_loads(&self, noise: &mut DMatrix<f64>) -> Result<(), VehicleError> {
-        let &Self { vehicle, variant, .. } = self;
-        let Self { runs, observations, .. } = self;
+        let Self { vehicle, variant, runs, observations, .. } = self;
+        let variant = *variant;
         let file = Deviations::zeros();
         for (i, run) in runs.iter().enumerate() {
+            let vehicle = vehicle.at(run.lift_axle)?;
             let weighed = (run.load, run.trailer_mass_sd_kg);
             let measured = (run.load, run.height_sd_m);
             for change in [

@@ -14,6 +14,7 @@ use super::shape::LEAST_RUNS;
 use crate::belief::Belief;
 use crate::equations::Variant;
 use crate::error::VehicleError;
+use crate::lift::Positions;
 use crate::ratio_spread::{height_change, mass_change};
 use crate::vehicle::Vehicle;
 
@@ -91,7 +92,7 @@ pub(super) fn statements(
     };
     statement.extend(certain_ratios(vehicle, variant, runs, fitted)?);
     statement.extend(found_heights(runs, fitted));
-    statement.extend(exact_heights(vehicle, runs));
+    statement.extend(exact_heights(&Positions::of(vehicle)?, runs));
     statement.extend(advice(vehicle, variant, runs, &fitted.belief)?);
     let distances = distances(vehicle, variant, runs, fitted)?;
     statement.extend(distances.iter().filter(|one| one.sds.abs() <= FAR).map(|one| {
@@ -124,7 +125,9 @@ fn certain_ratios(
 ) -> Result<Vec<String>, VehicleError> {
     let mut lines = Vec::new();
     let prior = Belief::prior(vehicle);
+    let positions = Positions::of(vehicle)?;
     for run in runs {
+        let vehicle = positions.at(run.lift_axle)?;
         let covariance =
             |belief: &Belief| belief.ratio_covariance(vehicle, variant, run.speed_mps, run.load);
         let (before, after) = (covariance(&prior)?, covariance(&fitted.belief)?);
@@ -157,8 +160,9 @@ fn found_heights(runs: &[Run], fitted: &Fitted) -> impl Iterator<Item = String> 
 }
 
 /// The runs with a load whose height was given without a standard deviation.
-fn exact_heights(vehicle: &Vehicle, runs: &[Run]) -> Option<String> {
-    let is_exact = |run: &&Run| run.height_sd_m <= 0.0 && run.load != vehicle.empty_load();
+fn exact_heights(positions: &Positions<'_>, runs: &[Run]) -> Option<String> {
+    let empty = |run: &Run| positions.at(run.lift_axle).map(Vehicle::empty_load).ok();
+    let is_exact = |run: &&Run| run.height_sd_m <= 0.0 && empty(run) != Some(run.load);
     let logs: Vec<&str> = runs.iter().filter(is_exact).map(|run| run.log.as_str()).collect();
     (!logs.is_empty()).then(|| {
         format!(
@@ -197,8 +201,10 @@ fn distances<'a>(
 ) -> Result<Vec<Distance<'a>>, VehicleError> {
     let prior = Belief::prior(vehicle);
     let mut all = Vec::new();
+    let positions = Positions::of(vehicle)?;
     for residual in &fitted.residuals {
         let run = &runs[residual.run];
+        let vehicle = positions.at(run.lift_axle)?;
         let k = residual.channel.index();
         let covariance = prior.ratio_covariance(vehicle, variant, run.speed_mps, run.load)?;
         let weighed = (run.load, run.trailer_mass_sd_kg);

@@ -158,6 +158,11 @@ fn axles(v: &Vehicle, found: &mut Vec<Finding>) {
         let (key, n) = ("tractor.axle", v.tractor.axle.len());
         found.push(Finding::error(key, n, "one axle must have steered = true"));
     }
+    let lift_m = v.trailer.axle.iter().map(|a| a.lift_m).collect::<Option<Vec<f64>>>();
+    if let Some(&lift_m) = lift_m.as_ref().and_then(|all| all.first()) {
+        let problem = "every axle has lift_m, but one must stay on the road";
+        found.push(Finding::error("trailer.axle[0].lift_m", lift_m, problem));
+    }
     let ahead = v.tractor.axle.iter().map(|a| -a.ahead_of_cg_m);
     in_order("tractor", "ahead_of_cg_m", &ahead.collect::<Vec<_>>(), found);
     let behind = v.trailer.axle.iter().map(|a| a.behind_hitch_m);

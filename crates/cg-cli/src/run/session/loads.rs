@@ -14,6 +14,9 @@ impl<W: Write> Session<W> {
     pub(crate) fn restore(&mut self) -> io::Result<bool> {
         match self.outputs.load() {
             Some(Ok(Found::State(state))) => {
+                if !self.resume(state.lift_axle) {
+                    return Ok(false);
+                }
                 let memory = state.memory(self.trips_in_use);
                 let restored = Engine::restored(self.estimator.design(), &self.options, &memory);
                 let Some(estimator) = restored else { return Ok(false) };

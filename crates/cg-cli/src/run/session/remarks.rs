@@ -17,6 +17,7 @@ impl<W: Write> Session<W> {
         self.report_strength()?;
         self.report_left_out()?;
         self.report_empty()?;
+        self.report_lift_axle()?;
         self.report_unconfirmed()?;
         if let Some(message) = self.options.unplaced(&maneuver.outcomes) {
             self.options.roll_sensor_is_unplaced = false; // is told
@@ -88,6 +89,12 @@ impl<W: Write> Session<W> {
         let seen = |quantity: Quantity| self.seen[quantity.index()];
         let found = self.options.unconfirmed(seen).filter(|_| is_used).map(str::to_owned);
         self.notice_of_load("lateral_acceleration", found.as_slice())
+    }
+
+    /// Reports that nothing says where the lift axles are, or that the vehicle file has none.
+    fn report_lift_axle(&mut self) -> io::Result<()> {
+        let doubt = self.lift.doubt().filter(|_| self.known.height_m.is_some());
+        self.notice_of_load("lift_axle", doubt.map(str::to_owned).as_slice())
     }
 
     /// Reports that a trailer that is empty by its mass has another height than it should.
