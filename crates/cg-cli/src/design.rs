@@ -40,8 +40,11 @@ fn comment(arguments: &DesignArgs, vehicle: &Vehicle) -> Vec<String> {
         Some(path) => format!("calibrated by {}", path.display()),
         None => "not calibrated".to_owned(),
     };
+    let position = truck.lift.lift_axle.unwrap_or_default();
+    let lift =
+        if vehicle.has_lift_axle() { format!(", lift axle {position}") } else { String::new() };
     vec![
-        format!("Design of the vehicle \"{}\", {calibrated}.", vehicle.name),
+        format!("Design of the vehicle \"{}\", {calibrated}{lift}.", vehicle.name),
         "Make it again, do not edit it:".to_owned(),
         format!(
             "cg design{}{} --model {}{} --emit {} --channels {}{}",

@@ -302,7 +302,9 @@ impl<W: Write> Session<W> {
 
     /// Begins to learn from empty driving.
     pub(crate) fn begin(&mut self, start: Start) -> io::Result<()> {
-        self.learning = Some(start.learning);
+        let mut learning = start.learning;
+        learning.set_lift_axle(self.lift.position());
+        self.learning = Some(learning);
         start.told.into_iter().try_for_each(|told| self.tell(told))
     }
 

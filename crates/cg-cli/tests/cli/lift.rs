@@ -222,6 +222,35 @@ fn a_truck_learns_and_restarts_with_its_axle_raised() {
     let lowered = lines(&truck.run(&down, &kept).done());
     assert_eq!(events(&lowered, "load_changed").len(), 1);
     is_within_a_percent(last_height(&lowered));
+    // Given as raised, the heights with it down are not those of this truck, but what it has learned is.
+    let raised = lines(&truck.run(&log, &[&kept[..], &["--lift-axle", "raised"]].concat()).done());
+    let notices = events(&raised, "notice");
+    assert!(notices.iter().any(|one| {
+        one["message"].as_str().unwrap().contains("with the lift axle down and are not used")
+    }));
+    assert_eq!(events(&raised, "start")[0]["restored"], false);
+    assert_eq!(events(&raised, "maneuver")[0]["maneuvers"], 1);
+    assert!(events(&raised, "learned").iter().any(|one| one["trips"] == 1), "{raised:?}");
+}
+
+/// The trip is that of an empty trailer with its axle raised, which is lower than with it down, and rolls by a third more.
+#[test]
+fn a_truck_learns_with_a_given_position() {
+    let truck = Lifting::new();
+    let state = truck.scratch.path("state.json");
+    let empty = truck.turn("empty.csv", "raised", &EMPTY);
+    let text = std::fs::read_to_string(&empty).unwrap();
+    let silent = truck.scratch.file("silent.csv", without_last_column(&text));
+    let run = truck.run(&silent, &["--state", &state, "--lift-axle", "raised"]).done();
+    let learned = events(&lines(&run), "learned").len();
+    let calibration = truck.scratch.path("c.toml");
+    let of = ["--vehicle", &truck.truck, "--from-state", &state, "-o", &calibration];
+    let told = cg(&[&["calibrate"], &of[..]].concat()).done().out;
+    // The file is that of the truck.
+    let stiffness =
+        told.lines().find(|line| line.contains("trailer suspension roll stiffness")).unwrap();
+    let factor = stiffness.split('×').nth(1).unwrap().split_whitespace().next().unwrap();
+    assert!(learned == 1 && (factor.parse::<f64>().unwrap() - 1.0).abs() < 0.02, "{told}");
 }
 
 /// A gateway's status bits: 0 down, 1 raised, 3 not available.

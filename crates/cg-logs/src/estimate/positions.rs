@@ -15,10 +15,10 @@ use super::options::EstimateOptions;
 const UNKNOWN: &str = "the trailer has a lift axle, and nothing says whether it is raised, so it counts as down; if it was raised, the \
                        height is 12 to 41 % too great, which the interval does not contain: record lift_axle_raised (0 or 1), or \
                        give ⟨lift_axle⟩";
-const KEPT: &str = "the lift axle was raised before the restart, and nothing has said since where it is; if it is down now, the height is 12 \
-                    to 41 % too low, which the interval does not contain: give a signal of lift_axle, or ⟨lift_axle⟩";
-const GIVEN: &str = "the lift axle was given as raised, but the log says that it is down: one of them is wrong, and the height is then 12 \
-                     to 41 % too low or too great";
+const KEPT: &str = "the lift axle was raised before the restart, and nothing has said since where it is; if it is down now, the height is a \
+                    tenth to a third too low, which the interval does not contain: give a signal of lift_axle, or ⟨lift_axle⟩";
+const GIVEN: &str = "the lift axle was given as raised, but the log says that it is down: one of them is wrong, and if that is the given \
+                     one, the height is a tenth to a third too low";
 const NONE: &str = "the log says that a lift axle is raised, but it was given as down or the vehicle file has none, and the height is then \
                     12 to 41 % too great: give lift_m to the [[trailer.axle]] that is one";
 

@@ -15,7 +15,11 @@ impl<W: Write> Session<W> {
         match self.outputs.load() {
             Some(Ok(Found::State(state))) => {
                 if !self.resume(state.lift_axle) {
-                    return Ok(false);
+                    let message = format!(
+                        "its heights are those with the lift axle {} and are not used",
+                        state.lift_axle
+                    );
+                    return self.notice("state", &message).map(|()| false);
                 }
                 let memory = state.memory(self.trips_in_use);
                 let restored = Engine::restored(self.estimator.design(), &self.options, &memory);
