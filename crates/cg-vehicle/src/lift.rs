@@ -285,6 +285,20 @@ mod tests {
     }
 
     #[test]
+    fn a_trailer_of_three_axles_without_a_lift_axle_is_noted() {
+        let is_noted = |vehicle: &Vehicle| {
+            let mut all = crate::assumptions::Assumption::of(vehicle).into_iter();
+            all.any(|one| {
+                one.key == "trailer.axle.lift_m" && one.note.contains("none of the 3 axles")
+            })
+        };
+        assert!(is_noted(&with_lift([None; 3])));
+        assert!(!is_noted(&with_lift([Some(0.1), None, None])));
+        let two = Vehicle::parse(&template(TruckKind::SixByFourTwoAxle), "truck").unwrap();
+        assert!(!is_noted(&two));
+    }
+
+    #[test]
     fn one_axle_must_stay_on_the_road() {
         assert!(with_lift([None; 3]).raised().unwrap().is_none());
         let error = with_lift([Some(0.1); 3]).raised().unwrap_err().to_string();

@@ -17,6 +17,7 @@ const SPEED_MPS: f64 = 13.9;
 fn euro(stiffness: Option<f64>) -> Vehicle {
     let mut vehicle = common::vehicle("euro.toml");
     vehicle.trailer.frame_torsional_stiffness_nm_per_rad = stiffness;
+    vehicle.trailer.axle[0].lift_m = Some(0.1); // of which nothing is then noted
     vehicle
 }
 
@@ -189,6 +190,7 @@ fn the_printed_model_refuses_a_twisting_frame() {
 fn slopes_at_zero_slip_are_noted() {
     let mut vehicle = common::vehicle("kraz.toml");
     vehicle.trailer.frame_torsional_stiffness_nm_per_rad = Some(3e6);
+    vehicle.trailer.axle[0].lift_m = Some(0.1);
     (vehicle.sensors.roll.behind_hitch_m, vehicle.sensors.accelerometer.behind_hitch_m) =
         (Some(7.7), Some(7.7));
     let noted = |vehicle: &Vehicle| -> Vec<_> {

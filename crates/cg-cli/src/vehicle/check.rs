@@ -86,6 +86,9 @@ fn report(
     let loads = [loaded("empty", empty)?, loaded("laden", laden)?];
     // What every estimate needs.
     design(&vehicle, Variant::Complete)?;
+    if let Some(raised) = vehicle.raised()? {
+        design(&raised, Variant::Complete)?;
+    }
     let influences = influences(&vehicle, &Belief::prior(&vehicle), speed_mps, laden)?;
     let share = vehicle.sensors.roll.second_share.unwrap_or(0.5);
     let second_roll = match SecondShare::best(&vehicle)? {
