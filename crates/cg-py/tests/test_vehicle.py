@@ -9,6 +9,7 @@ import tomllib
 
 import jsonschema
 import numpy as np
+import pandas as pd
 import pytest
 
 import cgheight
@@ -115,6 +116,16 @@ def test_a_lift_axle_is_where_the_log_or_the_vehicle_says(truck, tmp_path):
     # Without noise, the plant's tires and dampers are what the model does not have.
     assert one.height_m == pytest.approx(1.8, rel=0.01)
     assert not any("lift axle" in message for message in one.messages)
+    # As pandas writes and stores true and false.
+    frame = pd.DataFrame({**log, "lift_axle_raised": True})
+    frame.to_csv(tmp_path / "log.csv", index=False)
+    frame.to_parquet(tmp_path / "log.parquet")
+    for form in (frame, tmp_path / "log.csv", tmp_path / "log.parquet"):
+        read = cgheight.estimate_log(form, vehicle=lifting)
+        assert read.height_m == pytest.approx(one.height_m, rel=1e-9)
+    frame.assign(roll_rad=True).to_parquet(tmp_path / "log.parquet")
+    with pytest.raises(ValueError, match="`roll_rad`: contains BOOLEAN instead of numbers"):
+        cgheight.estimate_log(tmp_path / "log.parquet", vehicle=lifting)
     del log["lift_axle_raised"]
     assert cgheight.estimate_log(log, vehicle=raised).height_m == one.height_m
     unknown = cgheight.estimate_log(log, vehicle=lifting)

@@ -56,13 +56,14 @@ impl Batches {
         };
         let names: Box<[Heading]> = roots.iter().map(heading).collect();
         let columns = resolve(&place, &names, options)?;
-        let number = |column: &Column| match &roots[column.index].numbers {
-            Ok(numbers) => Ok(*numbers),
-            Err(kind) => Err(LogError::NotNumeric {
-                place: place.clone(),
-                column: column_name(&names, column.index),
-                kind: kind.as_str().into(),
-            }),
+        let number = |column: &Column| {
+            let kind = match &roots[column.index].numbers {
+                Ok((_, Kind::Truth)) if !column.signal.is_state() => "BOOLEAN",
+                Ok(numbers) => return Ok(*numbers),
+                Err(kind) => kind.as_str(),
+            };
+            let column = column_name(&names, column.index);
+            Err(LogError::NotNumeric { place: place.clone(), column, kind: kind.into() })
         };
         let numbers: Box<[(usize, Kind)]> = columns.iter().map(number).collect::<Result<_, _>>()?;
         if let Some(format) = unread_compression(reader.metadata(), &numbers) {

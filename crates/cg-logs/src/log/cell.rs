@@ -14,13 +14,15 @@ pub(super) struct Slot {
     /// Whether the field is in SI units already.
     pub(super) is_si: bool,
     clock: bool,
+    /// Whether the field may be true or false.
+    is_state: bool,
 }
 
 impl From<&Column> for Slot {
     fn from(column: &Column) -> Self {
         let &Column { signal, times, per, clock, .. } = column;
         let is_si = [times, per].map(f64::to_bits) == [1.0_f64; 2].map(f64::to_bits);
-        Self { signal: signal as usize, times, per, is_si, clock }
+        Self { signal: signal as usize, times, per, is_si, clock, is_state: signal.is_state() }
     }
 }
 
@@ -108,6 +110,12 @@ impl Slot {
         }
         if self.clock {
             return clock::seconds(cell).ok_or(BadCell::Text);
+        }
+        if self.is_state
+            && let Some(state) =
+                [&b"false"[..], b"true"].iter().position(|word| cell.eq_ignore_ascii_case(word))
+        {
+            return Ok(if state == 0 { 0.0 } else { 1.0 });
         }
         let value = match fast_float2::parse::<f64, _>(cell) {
             Ok(value) if writing.see(cell) => value,

@@ -4,7 +4,7 @@ use half::f16;
 use parquet::basic::{ConvertedType, LogicalType, TimeUnit, Type as Physical};
 use parquet::column::reader::{ColumnReader, ColumnReaderImpl};
 use parquet::data_type::{DataType, FixedLenByteArray, Int96};
-use parquet::errors::{ParquetError, Result};
+use parquet::errors::Result;
 use parquet::schema::types::ColumnDescriptor;
 
 /// Decimals of more digits are refused: they do not fit in 16 bytes.
@@ -23,6 +23,8 @@ pub(super) enum Kind {
     Decimal(i32),
     /// Points in time or durations with this many units per second.
     Clock(i64),
+    /// True or false, as 1 or 0.
+    Truth,
 }
 
 impl Kind {
@@ -49,7 +51,7 @@ impl Kind {
         match column.physical_type() {
             Physical::FLOAT | Physical::DOUBLE => return Ok(Self::Plain),
             Physical::INT96 => return Ok(Self::Clock(1_000_000_000)),
-            Physical::BOOLEAN => return Err(other()),
+            Physical::BOOLEAN => return Ok(Self::Truth),
             _ => {}
         }
         let integers = matches!(column.physical_type(), Physical::INT32 | Physical::INT64);
@@ -95,6 +97,9 @@ impl Kind {
             ColumnReader::FloatColumnReader(column) => {
                 values(column, most, |value| f64::from(*value))
             }
+            ColumnReader::BoolColumnReader(column) => {
+                values(column, most, |value| f64::from(u8::from(*value)))
+            }
             ColumnReader::DoubleColumnReader(column) => values(column, most, |value| *value),
             ColumnReader::Int32ColumnReader(column) => values(column, most, |value| match self {
                 Self::Unsigned => f64::from(value.cast_unsigned()),
@@ -117,9 +122,6 @@ impl Kind {
             ColumnReader::ByteArrayColumnReader(column) => {
                 values(column, most, |value| self.number(big_endian(value.data())))
             }
-            ColumnReader::BoolColumnReader(_) => {
-                Err(ParquetError::General("a column of truth values is no number".to_owned()))
-            }
         }
     }
 
@@ -132,7 +134,7 @@ impl Kind {
                 let unit = i128::from(per_second);
                 stored.div_euclid(unit) as f64 + stored.rem_euclid(unit) as f64 / unit as f64
             }
-            Self::Plain | Self::Unsigned | Self::Half => stored as f64,
+            Self::Plain | Self::Unsigned | Self::Half | Self::Truth => stored as f64,
         }
     }
 }

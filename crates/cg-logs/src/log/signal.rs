@@ -288,6 +288,11 @@ impl Signal {
             || self.quantity().is_some_and(Quantity::is_directed)
     }
 
+    /// Whether it is the state of a part, and no number.
+    pub(super) fn is_state(self) -> bool {
+        self == Self::LiftAxle
+    }
+
     /// The SI unit of this signal.
     pub(super) const fn si(self) -> Unit {
         self.dimension().si()

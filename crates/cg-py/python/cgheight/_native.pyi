@@ -372,7 +372,12 @@ def restore_plant(
     """Return a plant in the state in which it was pickled."""
 
 def restore_vehicle(
-    text: str, file: str, calibration: str | None, bank_sd_rad: float | None, /
+    text: str,
+    file: str,
+    calibration: str | None,
+    bank_sd_rad: float | None,
+    lift_axle: str | None,
+    /,
 ) -> Vehicle:
     """Return a vehicle from the text of its file and of its calibration, if it has one."""
 
