@@ -53,6 +53,7 @@ impl Drawn<'_> {
             plant: Plant::Nonlinear,
             load,
             rate_hz: 50.0,
+            duration_s: 12.0,
             sensors: Sensors { snr_db: Some(30.0), ..Sensors::default() },
             seed: 10 * self.seed + noise,
             ..Scenario::of(&truck, Maneuver::RoundedStep)
