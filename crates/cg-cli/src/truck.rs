@@ -37,7 +37,7 @@ pub(crate) struct TruckArgs {
 /// The lift axles.
 #[derive(Clone, Copy, Debug, Args)]
 pub(crate) struct LiftArgs {
-    /// Position of the lift axles (`lift_m` of a trailer axle) [default: that in the log, or down]
+    /// Position of the lift axles (`lift_m` of a trailer axle) [default: that in a log, or down]
     #[arg(long, value_name = "POSITION", value_parser = word::<LiftAxle>())]
     pub(crate) lift_axle: Option<LiftAxle>,
 }

@@ -89,6 +89,8 @@ pub fn calibrate_with_trips<E: From<VehicleError>>(
             let vehicle = positions.at(identified.lift_axle.0)?;
             if pass == PASSES {
                 doubts.extend(doubt(vehicle, known, &identified));
+                let unknown = identified.lift_doubt[1];
+                doubts.extend(unknown.map(|unknown| format!("{}: {unknown}", known.log)));
             }
             let mut run = run_of(vehicle, known, &identified)?;
             // The factor makes up for all that the model lacks in this log, its turns included.
@@ -256,6 +258,9 @@ fn run_of(
             "{}: the load changed before {since_s:.0} s, but a run has one load: give a log of one of them",
             known.log
         )));
+    }
+    if let [Some(contradiction), _] = identified.lift_doubt {
+        return Err(VehicleError::Model(format!("{}: {contradiction}", known.log)));
     }
     let (lift_axle, moved_s) = identified.lift_axle;
     if let Some(moved_s) = moved_s {

@@ -131,6 +131,9 @@ impl Learner {
     pub fn log(&mut self, log: LogEstimator) -> Result<Vec<Taken>, VehicleError> {
         let design = *log.design();
         let mut taken = Vec::new();
+        if log.lift_doubt().is_some() {
+            return Ok(taken); // the empty trailer may be another one
+        }
         self.set_lift_axle(log.lift_axle());
         for (maneuver, end_s, weighed) in log.maneuvers() {
             taken.extend(self.maneuver(&design, &maneuver, (end_s, weighed))?);

@@ -40,6 +40,7 @@ pub mod output;
 pub mod malformed;
 pub mod place;
 pub mod unscaled;
+pub mod lift_signal;
 pub mod can;
 pub mod log;
 pub mod estimate;

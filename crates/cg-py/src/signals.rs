@@ -5,13 +5,14 @@ use cg_core::{AlignSettings, Quantity, Settings};
 use cg_logs::estimate::{EstimateOptions, LogEstimator, Prediction};
 use cg_logs::learn::Learner;
 use cg_logs::log::{LogRow, Plausibility, Position, Signal};
+use cg_vehicle::lift::LiftAxle;
 use cg_vehicle::limits;
 use numpy::{PyArray1, PyReadonlyArrayDyn, PyUntypedArrayMethods};
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::error::{value_error, vehicle_error};
+use crate::error::{in_python, value_error, vehicle_error};
 use crate::options::{Options, up_to};
 use crate::results;
 use crate::vehicle::Vehicle;
@@ -77,6 +78,12 @@ impl<'a> Columns<'a> {
     /// The signals that the log has.
     pub(crate) fn signals(&self) -> Vec<Signal> {
         Signal::ALL.into_iter().filter(|&signal| self.values[signal as usize].is_some()).collect()
+    }
+
+    /// The position of the lift axles at the end of the log, if it says one.
+    fn lift_axle(&self) -> Option<LiftAxle> {
+        let said = self.values[Signal::LiftAxle as usize]?;
+        said.iter().rev().find_map(|&value| LiftAxle::of_value(value))
     }
 
     pub(crate) fn rows(&self) -> usize {
@@ -243,10 +250,11 @@ pub(crate) fn learn_arrays(
     let vehicle = vehicle.get();
     let (log, _) = driven(py, vehicle, signals, options)?;
     let design = *log.design();
+    let doubt = log.lift_doubt().map(in_python);
     let mut learner = Learner::new(&vehicle.file, options.variant, vehicle.learned(None)?);
     let taken = py.detach(|| learner.log(log)).map_err(vehicle_error)?;
     let text = learner.learned(&design).text_of(&vehicle.file).map_err(vehicle_error)?;
-    Ok((text, taken.iter().map(ToString::to_string).collect()))
+    Ok((text, taken.iter().map(ToString::to_string).chain(doubt).collect()))
 }
 
 /// The estimator at the end of a log, and the remarks about its values.
@@ -281,9 +289,10 @@ pub(crate) fn predict_roll<'py>(
         .ok_or_else(|| value_error("channel is \"auto\": a prediction needs one channel"))?;
     let arrays = borrowed(signals)?;
     let columns = columns(&arrays)?;
+    let position = columns.lift_axle();
     let vehicle = vehicle.get();
-    let design = py.detach(|| vehicle.design(options.variant)).map_err(vehicle_error)?;
-    let settings = vehicle.inner.align_settings();
+    let truck = py.detach(|| vehicle.at(position, options.variant)).map_err(vehicle_error)?;
+    let (settings, design) = (truck.0.align_settings(), truck.1);
     let mut prediction = Prediction::new(design, settings, options, channel, height_m);
     let predict = || -> Result<Vec<f64>, String> {
         (0..columns.time_s.len())

@@ -129,6 +129,18 @@ impl Vehicle {
         Ok(self.raised.get_or_init(|| computed).as_deref())
     }
 
+    /// The vehicle and its design with its lift axles where a log says, if nothing else does.
+    pub(crate) fn at(
+        &self,
+        said: Option<LiftAxle>,
+        variant: Variant,
+    ) -> Result<(&cg_vehicle::Vehicle, &Design<f64>), VehicleError> {
+        match self.raised_design(variant)?.filter(|_| said == Some(LiftAxle::Raised)) {
+            Some((vehicle, design)) => Ok((vehicle, design)),
+            None => Ok((&self.inner, self.design(variant)?)),
+        }
+    }
+
     fn belief(&self, variant: Variant) -> Result<Belief, VehicleError> {
         Ok(self.posterior(variant)?.unwrap_or_else(|| Belief::prior(&self.file)))
     }

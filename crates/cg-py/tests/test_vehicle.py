@@ -128,12 +128,20 @@ def test_a_lift_axle_is_where_the_log_or_the_vehicle_says(truck, tmp_path):
         cgheight.estimate_log(tmp_path / "log.parquet", vehicle=lifting)
     del log["lift_axle_raised"]
     assert cgheight.estimate_log(log, vehicle=raised).height_m == one.height_m
+    # A prediction follows the log, too: the signs and sizes are those of the measured turn.
+    raised_log = {**log, "lift_axle_raised": np.ones(len(log["time_s"]))}
+    peak = max(cgheight.predict_roll(raised_log, vehicle=lifting, height_m=1.8))
+    assert peak == max(cgheight.predict_roll(log, vehicle=raised, height_m=1.8))
+    assert peak > 1.12 * max(cgheight.predict_roll(log, vehicle=lifting, height_m=1.8))
     unknown = cgheight.estimate_log(log, vehicle=lifting)
     assert unknown.height_m > 1.12 * 1.8
     assert any("or give vehicle.with_lift_axle" in message for message in unknown.messages)
     empty_log = cgheight.simulate(raised, empty).signals
     calibration = cgheight.calibrate(lifting, [(empty_log, "empty")], tmp_path / "c.toml")
     assert calibration.is_calibrated
+    assert len(json.loads(cgheight.learn_log(empty_log, vehicle=lifting))["trips"]) == 1
+    del empty_log["lift_axle_raised"]
+    assert json.loads(cgheight.learn_log(empty_log, vehicle=lifting))["trips"] == []
     with pytest.raises(ValueError, match='position is "up": it must be "down" or "raised"'):
         lifting.with_lift_axle("up")
     with pytest.raises(ValueError, match="no lift axle to raise"):

@@ -34,6 +34,15 @@ impl LiftAxle {
         *self == Self::Down
     }
 
+    /// The other position.
+    #[must_use]
+    pub fn other(self) -> Self {
+        match self {
+            Self::Down => Self::Raised,
+            Self::Raised => Self::Down,
+        }
+    }
+
     /// The value of a signal in this position.
     pub fn value(self) -> f64 {
         f64::from(u8::from(self == Self::Raised))

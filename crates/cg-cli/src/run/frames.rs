@@ -75,7 +75,7 @@ impl Frames {
 
     /// Passes complete samples to the session and performs what is due.
     fn pass<W: Write>(&mut self, session: &mut Session<W>) -> io::Result<()> {
-        session.follow_lift_axle(self.sampler.lift_axle())?;
+        session.follow_lift_axle(self.sampler.take_lift_axle())?;
         while let Some(sample) = self.sampler.next_sample() {
             session.weighing.scale = self.sampler.scale(sample.time_us).or(session.weighing.scale);
             session.sensors.level(|level| self.sampler.value(level, sample.time_us));

@@ -264,6 +264,7 @@ impl<W: Write> Session<W> {
 
     fn maneuver(&mut self, maneuver: &Maneuver<f64>) -> io::Result<()> {
         self.report_nominal_mass()?;
+        self.lift.turn(self.time_s(maneuver.end_us));
         let engine = (&mut self.estimator, &self.options);
         let is_of_another_load = self.stop.close(maneuver, engine);
         self.sensors.close(is_of_another_load);
@@ -311,6 +312,8 @@ impl<W: Write> Session<W> {
     /// Learns from a maneuver, or ends the trip.
     fn learn(&mut self, maneuver: Option<(&Maneuver<f64>, (f64, bool))>) -> io::Result<()> {
         let design = self.estimator.design();
+        // Otherwise the empty trailer may be another one.
+        let maneuver = maneuver.filter(|_| self.lift.doubt().is_none());
         let told = self.learning.as_mut().and_then(|one| one.push(design, maneuver));
         told.map_or(Ok(()), |told| self.tell(told))
     }

@@ -123,7 +123,10 @@ fn an_unknown_or_contradicted_position_is_told() {
     assert!(told.len() == 1 && told[0]["message"].as_str().unwrap().contains(is_told), "{told:?}");
 
     let wrong = truck.estimate(&log, &["--lift-axle", "down"]);
-    assert!(says(&wrong, "the log says that a lift axle is raised"), "{wrong}");
+    assert!(
+        says(&wrong, "was given as down, but the log says that a lift axle is raised"),
+        "{wrong}"
+    );
     let down = truck.turn("down.csv", "down", &LOAD);
     let wrong = truck.estimate(&down, &["--lift-axle", "raised"]);
     assert!(says(&wrong, "given as raised, but the log says that it is down"), "{wrong}");
@@ -141,9 +144,10 @@ fn an_axle_that_moves_begins_another_height() {
     let both = truck.scratch.file("both.csv", one_after_the_other([&down, &raised]));
     let answer = truck.estimate(&both, &[]);
     is_within_a_percent(height_m(&answer));
-    assert!(says(&answer, "the lift axle was raised at 25 s"), "{answer}");
+    assert!(says(&answer, "the lift axle was raised at 26 s"), "{answer}");
+    // The roll angle of the first second is left out.
     let alone = truck.estimate(&raised, &[]);
-    assert!((height_m(&alone) / height_m(&answer) - 1.0).abs() < 1e-9);
+    assert!((height_m(&alone) / height_m(&answer) - 1.0).abs() < 1e-3);
     let live = lines(&truck.run(&both, &[]).done());
     let changed = events(&live, "load_changed");
     assert!(changed.len() == 1 && changed[0]["message"].as_str().unwrap().contains("was raised"));
@@ -152,7 +156,7 @@ fn an_axle_that_moves_begins_another_height() {
     }
     let run = format!("{both}=1.8,16000");
     let of = ["--vehicle", &truck.truck, "--run", &run, "-o", &truck.scratch.path("c.toml")];
-    cg(&[&["calibrate"], &of[..]].concat()).refused(&["both.csv", "the lift axle moved at 25 s"]);
+    cg(&[&["calibrate"], &of[..]].concat()).refused(&["both.csv", "the lift axle moved at 26 s"]);
 }
 
 /// Springs and tires of the axles that stay are those of the calibration, whatever the others did in its runs. The springs of
@@ -325,4 +329,123 @@ fn channels_of_different_rasters_keep_the_position() {
     let answer = truck.estimate(&apart, &[]);
     is_within_a_percent(height_m(&answer));
     assert!(says(&answer, "were aligned") && !says(&answer, "nothing says"), "{answer}");
+}
+
+/// The text of a log with one column changed, by row.
+fn with_column(log: &str, name: &str, value: impl Fn(usize, &str) -> String) -> String {
+    let text = std::fs::read_to_string(log).unwrap();
+    let mut out = String::new();
+    let (mut place, mut row) = (None, 0);
+    for line in text.lines() {
+        let mut cells: Vec<String> = line.split(',').map(str::to_owned).collect();
+        match place {
+            _ if line.starts_with('#') => {}
+            None => place = Some(cells.iter().position(|cell| cell == name).unwrap()),
+            Some(place) => {
+                cells[place] = value(row, &cells[place]);
+                row += 1;
+            }
+        }
+        writeln!(out, "{}", cells.join(",")).unwrap();
+    }
+    out
+}
+
+/// The mass of one cell is that of the load, whatever the axle does afterwards.
+#[test]
+fn a_mass_that_is_said_once_holds_over_a_move() {
+    let truck = Lifting::new();
+    let both = ["down", "raised"].map(|one| truck.turn(&format!("{one}.csv"), one, &LOAD));
+    let both = truck.scratch.file("both.csv", one_after_the_other([&both[0], &both[1]]));
+    let once = |row: usize, cell: &str| if row == 0 { cell.to_owned() } else { String::new() };
+    let once = truck.scratch.file("once.csv", with_column(&both, "trailer_mass_kg", once));
+    let answer = truck.estimate(&once, &[]);
+    is_within_a_percent(height_m(&answer));
+    assert!((answer["trailer_mass_kg"].as_f64().unwrap() - 16e3).abs() < 1.0);
+    let live = lines(&truck.run(&once, &[]).done());
+    is_within_a_percent(last_height(&live));
+    // Also if it is from before a restart.
+    let state = truck.scratch.path("state.json");
+    let kept = ["--state", &state];
+    truck.run(&truck.scratch.path("raised.csv"), &kept).done();
+    let none =
+        with_column(&truck.scratch.path("down.csv"), "trailer_mass_kg", |_, _| String::new());
+    let none = truck.scratch.file("none.csv", none);
+    is_within_a_percent(last_height(&lines(&truck.run(&none, &kept).done())));
+}
+
+#[test]
+fn a_wrong_value_is_no_move_and_a_signal_that_stops_is_told() {
+    let truck = Lifting::new();
+    let log = truck.turn("log.csv", "raised", &LOAD);
+    let right = truck.estimate(&log, &[]);
+    let glitch =
+        |row: usize, cell: &str| if row % 400 == 399 { "0".to_owned() } else { cell.to_owned() };
+    let glitches =
+        truck.scratch.file("glitches.csv", with_column(&log, "lift_axle_raised", glitch));
+    let answer = truck.estimate(&glitches, &[]);
+    assert_eq!(height_m(&answer).to_bits(), height_m(&right).to_bits());
+    assert!(!says(&answer, "lift axle"), "{answer}");
+
+    let drive =
+        ["--plant", "nonlinear", "--maneuver", "drive", "--duration-s", "120", "--rate-hz", "20"];
+    let raised = ["--snr-db", "30", "--lift-axle", "raised"];
+    let drive = [&drive[..], &raised, &LOAD].concat();
+    let long = truck.scratch.simulate("long.csv", &truck.truck, &drive);
+    let stops = |row: usize, _: &str| if row < 40 { "0".to_owned() } else { String::new() };
+    let stops = truck.scratch.file("stops.csv", with_column(&long, "lift_axle_raised", stops));
+    let told = "the signal of the lift axle has stopped";
+    assert!(says(&truck.estimate(&stops, &[]), told));
+    let live = lines(&truck.run(&stops, &[]).done());
+    assert!(
+        events(&live, "notice").iter().any(|one| one["message"].as_str().unwrap().contains(told))
+    );
+    // Written at the beginning only, it has not.
+    let once = |row: usize, _: &str| if row == 0 { "1".to_owned() } else { String::new() };
+    let once = truck.scratch.file("once.csv", with_column(&long, "lift_axle_raised", once));
+    assert!(!says(&truck.estimate(&once, &[]), "lift axle"));
+    // Said wherever in the log, another position than the given one contradicts it.
+    let late = |row: usize, cell: &str| if row > 2000 { "0".to_owned() } else { cell.to_owned() };
+    let late = truck.scratch.file("late.csv", with_column(&long, "lift_axle_raised", late));
+    assert!(says(
+        &truck.estimate(&late, &["--lift-axle", "raised"]),
+        "was given as raised, but the log says"
+    ));
+    let early = |row: usize, _: &str| if row > 200 { "1".to_owned() } else { "0".to_owned() };
+    let early = truck.scratch.file("early.csv", with_column(&long, "lift_axle_raised", early));
+    assert!(says(
+        &truck.estimate(&early, &["--lift-axle", "raised"]),
+        "was given as raised, but the log says"
+    ));
+}
+
+/// What is not known of the position must not become what is known of the truck.
+#[test]
+fn an_unknown_position_is_neither_learned_nor_calibrated_silently() {
+    let truck = Lifting::new();
+    let empty = truck.turn("empty.csv", "raised", &EMPTY);
+    let text = std::fs::read_to_string(&empty).unwrap();
+    let silent = truck.scratch.file("silent.csv", without_last_column(&text));
+    let state = truck.scratch.path("state.json");
+    for more in [&[][..], &["--lift-axle", "down"]] {
+        let log = if more.is_empty() { &silent } else { &empty };
+        let run = truck.run(log, &[&["--state", &state], more].concat()).done();
+        assert!(events(&lines(&run), "learned").is_empty(), "{run:?}");
+    }
+    let calibrate = |log: &str, more: &[&str]| {
+        let run = format!("{log}=empty");
+        let of = [
+            "--vehicle",
+            &truck.truck,
+            "--run",
+            &run,
+            "-o",
+            &truck.scratch.path("c.toml"),
+            "--force",
+        ];
+        cg(&[&["calibrate"], &of[..], more].concat())
+    };
+    assert!(calibrate(&silent, &[]).done().out.contains("nothing says whether it is raised"));
+    calibrate(&empty, &["--lift-axle", "down"])
+        .refused(&["empty.csv", "was given as down, but the log says"]);
 }

@@ -66,6 +66,14 @@ impl Engine {
         }
     }
 
+    /// An estimator of a truck that this one has become with the same load: it knows its mass and no height.
+    #[must_use]
+    pub fn become_other(&self, design: &Design<f64>, options: &EstimateOptions) -> Self {
+        let new = Self::new(design, options);
+        let memory = Memory { trailer_mass_kg: self.memory().trailer_mass_kg, ..new.memory() };
+        Self::restored(design, options, &memory).unwrap_or(new)
+    }
+
     /// The same with the learned state of another one with the same design and method; `None` if the
     /// memory is not [sound](Memory::is_sound).
     pub fn restored(

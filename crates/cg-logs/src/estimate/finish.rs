@@ -248,6 +248,7 @@ impl LogEstimator {
             trailer_mass_is_known: self.is_mass_known(),
             logged_mass_kg: self.logged_kg(),
             lift_axle: (self.lift.position(), self.lift.moved().map(|(moved_s, _)| moved_s)),
+            lift_doubt: [self.lift.contradiction(), self.lift.unknown()],
             load_since_s: self.load_since_s(),
             ratio: [None; CHANNELS],
             messages: self.messages(),

@@ -51,6 +51,8 @@ pub struct Identified {
     pub logged_mass_kg: Option<f64>,
     /// Where the lift axles were, and when they moved after a maneuver, s; the ratios are those since then.
     pub lift_axle: (LiftAxle, Option<f64>),
+    /// What contradicts their position, and what is not known of it.
+    pub lift_doubt: [Option<&'static str>; 2],
     /// When the load has changed in the log, s; the ratios are those of the last load.
     pub load_since_s: Option<f64>,
     /// DC ratios in the order of [`Channel::ALL`](cg_core::Channel::ALL), with the standard deviation due to noise.
@@ -175,14 +177,14 @@ impl LogEstimator {
 
     /// Follows the lift axles. If they have moved, the truck is another one, and the estimator begins again.
     fn follow(&mut self, row: &LogRow) {
-        let Some(mut there) = self.lift.follow(row.lift_axle) else { return };
+        let Some(mut there) = self.lift.follow(row.lift_axle, row.time_s) else { return };
         self.end();
         core::mem::swap(&mut there.design, &mut self.design);
         core::mem::swap(&mut there.settings, &mut self.settings);
         core::mem::swap(&mut there.options, &mut self.options);
         self.lift.leave(there, (row.time_s, self.maneuvers.len()));
         self.first_of_load = self.maneuvers.len();
-        self.engine = Engine::new(&self.design, &self.options);
+        self.engine = self.engine.become_other(&self.design, &self.options);
         (self.neighbors, self.status, self.seen_kinds) =
             (Neighbors::NONE, Status::Straight, (0, false));
         self.sensors.close(true);
@@ -303,6 +305,12 @@ impl LogEstimator {
         self.seen.bus_scale = scale;
     }
 
+    /// The time of the log, s, of microseconds since its first row.
+    #[allow(clippy::cast_precision_loss)] // 2^53 µs are 285 years
+    pub(super) fn time_s(&self, time_us: u64) -> f64 {
+        self.origin_s.unwrap_or(0.0) + time_us as f64 * 1e-6
+    }
+
     /// The design of the truck.
     pub fn design(&self) -> &Design<f64> {
         &self.design
@@ -311,6 +319,11 @@ impl LogEstimator {
     /// Where the lift axles are.
     pub fn lift_axle(&self) -> LiftAxle {
         self.lift.position()
+    }
+
+    /// What is not known of their position, or contradicts it.
+    pub fn lift_doubt(&self) -> Option<&'static str> {
+        self.lift.doubt()
     }
 
     /// Ends the log and returns its maneuvers since the lift axles have moved, with the time of their end, s, and whether their mass is
@@ -365,6 +378,7 @@ impl LogEstimator {
 
     pub(super) fn keep(&mut self, closed: Option<&Maneuver<f64>>) {
         if let Some(maneuver) = closed {
+            self.lift.turn(self.time_s(maneuver.end_us));
             let engine = (&mut self.engine, &self.options);
             let is_first_of_load = self.stop.close(maneuver, engine);
             self.sensors.close(is_first_of_load);

@@ -121,9 +121,7 @@ impl LogEstimator {
 
     /// The end of the maneuver that revealed another load, s.
     pub(super) fn load_since_s(&self) -> Option<f64> {
-        let since_us = self.stop.load_since_us()?;
-        #[allow(clippy::cast_precision_loss)] // 2^53 µs are 285 years
-        Some(self.origin_s.unwrap_or(0.0) + since_us as f64 * 1e-6)
+        Some(self.time_s(self.stop.load_since_us()?))
     }
 
     /// That the load has changed.

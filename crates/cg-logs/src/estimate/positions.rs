@@ -11,16 +11,22 @@ use cg_vehicle::{Variant, Vehicle, VehicleError};
 use serde::{Deserialize, Serialize};
 
 use super::options::EstimateOptions;
+use crate::lift_signal::LiftSignal;
 
 const UNKNOWN: &str = "the trailer has a lift axle, and nothing says whether it is raised, so it counts as down; if it was raised, the \
-                       height is 12 to 41 % too great, which the interval does not contain: record lift_axle_raised (0 or 1), or \
-                       give ⟨lift_axle⟩";
+                       height is too great (12 to 41 % with one of two or three axles raised), which the interval does not contain, and \
+                       nothing is learned: record lift_axle_raised (0 or 1), or give ⟨lift_axle⟩";
 const KEPT: &str = "the lift axle was raised before the restart, and nothing has said since where it is; if it is down now, the height is a \
-                    tenth to a third too low, which the interval does not contain: give a signal of lift_axle, or ⟨lift_axle⟩";
-const GIVEN: &str = "the lift axle was given as raised, but the log says that it is down: one of them is wrong, and if that is the given \
-                     one, the height is a tenth to a third too low";
-const NONE: &str = "the log says that a lift axle is raised, but it was given as down or the vehicle file has none, and the height is then \
-                    12 to 41 % too great: give lift_m to the [[trailer.axle]] that is one";
+                    tenth to a third too low, which the interval does not contain, and nothing is learned: give a signal of \
+                    lift_axle, or ⟨lift_axle⟩";
+const STOPPED: &str = "the signal of the lift axle has stopped, and the axle counts as it was then; if it has moved since, the height is 10 to \
+                       41 % wrong, which the interval does not contain, and nothing is learned";
+const GIVEN_RAISED: &str = "the lift axle was given as raised, but the log says that it is down, at least at times: one of them is wrong, and if \
+                            the given one is, the height is a tenth to a third too low";
+const GIVEN_DOWN: &str = "the lift axle was given as down, but the log says that a lift axle is raised, at least at times: one of them is wrong, and \
+                          if the given one is, the height is 12 to 41 % too great";
+const NONE: &str = "the log says that a lift axle is raised, but the vehicle file has none (or the printed equations are used, which know \
+                    none), and the height is then 12 to 41 % too great: give lift_m to the [[trailer.axle]] that is one";
 
 /// What an estimator uses of a truck with its lift axles in one position.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -57,7 +63,11 @@ impl Truck {
         let is_open = options.lift_axle.is_none() && options.variant == Variant::Complete;
         let raised = if is_open { vehicle.raised()? } else { None };
         let present = vehicle.clone().with_lift_axle(options.lift_axle.unwrap_or_default())?;
-        Ok((truck(&present)?, raised.as_ref().map(truck).transpose()?))
+        let raised =
+            raised.as_ref().map(truck).transpose().map_err(|error| {
+                VehicleError::Model(format!("with its lift axles raised: {error}"))
+            })?;
+        Ok((truck(&present)?, raised))
     }
 }
 
@@ -67,8 +77,10 @@ pub struct Lift {
     /// The truck with them in the other position; none without lift axles, or with a given position.
     other: Option<Box<Truck>>,
     position: LiftAxle,
-    /// The last position that a signal said.
-    heard: Option<LiftAxle>,
+    is_given: bool,
+    signal: LiftSignal,
+    /// Whether the signal had stopped before a turn ended.
+    has_stopped: bool,
     /// When they moved after maneuvers, s, and the number of these.
     moved: Option<(f64, usize)>,
 }
@@ -78,7 +90,8 @@ impl Lift {
     /// raised, if they may be.
     pub fn new(given: Option<LiftAxle>, raised: Option<Truck>) -> Self {
         let other = raised.filter(|_| given.is_none()).map(Box::new);
-        Self { other, position: given.unwrap_or_default(), heard: None, moved: None }
+        let (position, is_given) = (given.unwrap_or_default(), given.is_some());
+        Self { other, position, is_given, ..Self::default() }
     }
 
     /// Where they are.
@@ -91,11 +104,10 @@ impl Lift {
         self.moved
     }
 
-    /// Takes the value of the signal. If they have moved, the truck with them there is returned; [`leave`](Self::leave) that of
-    /// before in its place.
-    pub fn follow(&mut self, value: f64) -> Option<Box<Truck>> {
-        let position = LiftAxle::of_value(value)?;
-        self.heard = Some(position);
+    /// Takes the value of the signal, NaN if there is none, at a time, s. If they have moved, the truck with them there is
+    /// returned; [`leave`](Self::leave) that of before in its place.
+    pub fn follow(&mut self, value: f64, now_s: f64) -> Option<Box<Truck>> {
+        let position = self.signal.push(value, now_s)?;
         self.resume(position)
     }
 
@@ -108,8 +120,13 @@ impl Lift {
 
     /// Keeps the truck of before; `moved` is the time, s, and the number of maneuvers so far.
     pub fn leave(&mut self, before: Box<Truck>, moved: (f64, usize)) {
-        self.other = Some(before);
+        (self.other, self.has_stopped) = (Some(before), false);
         self.moved = Some(moved).filter(|(_, maneuvers)| *maneuvers > 0);
+    }
+
+    /// Takes the end of a turn, s.
+    pub fn turn(&mut self, end_s: f64) {
+        self.has_stopped |= self.signal.has_stopped(end_s);
     }
 
     /// What is not known of their position, contradicts it, or has changed.
@@ -126,11 +143,26 @@ impl Lift {
 
     /// What is not known of their position, or contradicts it.
     pub fn doubt(&self) -> Option<&'static str> {
-        match (&self.other, self.heard) {
-            (Some(_), None) => Some(if self.position.is_down() { UNKNOWN } else { KEPT }),
-            (None, Some(LiftAxle::Raised)) if self.position == LiftAxle::Down => Some(NONE),
-            (None, Some(LiftAxle::Down)) if self.position == LiftAxle::Raised => Some(GIVEN),
-            _ => None,
+        self.contradiction().or_else(|| self.unknown())
+    }
+
+    /// That the signal says another position than the given one, or one that the truck cannot have.
+    pub fn contradiction(&self) -> Option<&'static str> {
+        let is_contradicted = self.other.is_none() && self.signal.has_said(self.position.other());
+        is_contradicted.then_some(match self.position {
+            LiftAxle::Raised => GIVEN_RAISED,
+            LiftAxle::Down if self.is_given => GIVEN_DOWN,
+            LiftAxle::Down => NONE,
+        })
+    }
+
+    /// That nothing says where they are, or nothing any more.
+    pub fn unknown(&self) -> Option<&'static str> {
+        self.other.as_ref()?;
+        match (self.signal.position(), self.position) {
+            (None, LiftAxle::Down) => Some(UNKNOWN),
+            (None, LiftAxle::Raised) => Some(KEPT),
+            (Some(_), _) => self.has_stopped.then_some(STOPPED),
         }
     }
 }

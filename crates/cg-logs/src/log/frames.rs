@@ -106,7 +106,7 @@ impl FrameRows {
         self.scale = self.sampler.scale(sample.time_us);
         #[allow(clippy::cast_precision_loss)]
         let time_s = self.origin_s.unwrap_or(0.0) + sample.time_us as f64 * 1e-6;
-        let lift_axle = self.sampler.lift_axle();
+        let lift_axle = self.sampler.take_lift_axle();
         let mut row = LogRow { lift_axle, ..LogRow::of_sample(time_s, sample) };
         // Whoever reads the row without the frames has nothing else that says how exact its mass is.
         if let Some(scale) = self.scale.filter(|_| self.without_truck && self.hears_bus) {

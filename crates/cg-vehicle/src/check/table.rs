@@ -249,7 +249,7 @@ const ROAD: &[Key] = &[
 #[rustfmt::skip]
 const TRAILER_AXLE: &[Key] = &[
     number("behind_hitch_m", "m", [3.0, 15.0], [0.5, 30.0], "distance behind the fifth wheel"),
-    number("lift_m", "m", [0.03, 0.25], [0.0, 0.5], "height by which this lift axle can be raised; all lift axles are raised together").optional(),
+    number("lift_m", "m", [0.03, 0.25], [0.01, 0.5], "height by which this lift axle can be raised; all lift axles are raised together").optional(),
 ];
 
 #[rustfmt::skip]

@@ -4,7 +4,7 @@ use std::io::{self, Write};
 use std::mem::swap;
 
 use cg_logs::estimate::{
-    Engine, Leaning, LeftOut, Rated, RoadPart, SinceStop, StrongTurns, Truck, Unheard,
+    Leaning, LeftOut, Rated, RoadPart, SinceStop, StrongTurns, Truck, Unheard,
 };
 use cg_vehicle::lift::LiftAxle;
 
@@ -20,7 +20,8 @@ impl<W: Write> Session<W> {
     /// Takes the position of the lift axles: 0 down, 1 raised, NaN if nothing says it. If they have moved, the heights so far are
     /// those of the truck before.
     pub(crate) fn follow_lift_axle(&mut self, value: f64) -> io::Result<()> {
-        let Some(there) = self.lift.follow(value) else { return Ok(()) };
+        let now_s = self.time_s(self.now_us);
+        let Some(there) = self.lift.follow(value, now_s) else { return Ok(()) };
         if let Some(maneuver) = self.estimator.finish() {
             self.maneuver(&maneuver)?;
         }
@@ -58,7 +59,7 @@ impl<W: Write> Session<W> {
         if let Some(learning) = &mut self.learning {
             learning.set_lift_axle(self.lift.position());
         }
-        self.estimator = Engine::new(&design, &self.options);
+        self.estimator = self.estimator.become_other(&design, &self.options);
     }
 
     /// Forgets what belongs to the truck before, but its mass.
