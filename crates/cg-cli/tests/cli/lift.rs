@@ -405,6 +405,14 @@ fn a_wrong_value_is_no_move_and_a_signal_that_stops_is_told() {
     let once = truck.scratch.file("once.csv", with_column(&long, "lift_axle_raised", once));
     assert!(!says(&truck.estimate(&once, &[]), "lift axle"));
     // Said wherever in the log, another position than the given one contradicts it.
+    let late = truck.scratch.file(
+        "late.csv",
+        with_column(&long, "lift_axle_raised", |row, _| {
+            if row > 2300 { "0".to_owned() } else { "1".to_owned() }
+        }),
+    );
+    let none = estimate(&late, &truck.truck, &[]).told(1, &[]).answer();
+    assert!(says(&none, "no turn has given a height since the lift axle moved at 116 s"), "{none}");
     let late = |row: usize, cell: &str| if row > 2000 { "0".to_owned() } else { cell.to_owned() };
     let late = truck.scratch.file("late.csv", with_column(&long, "lift_axle_raised", late));
     assert!(says(

@@ -21,6 +21,12 @@ impl LogEstimator {
         if self.rows == self.absent_rows {
             return "rejected: no row has a roll angle and an input".to_owned();
         }
+        if let Some((moved_s, _)) = self.lift.moved() {
+            return format!(
+                "rejected: no turn has given a height since the lift axle moved at {moved_s:.0} s; for that of before, give the log \
+                 until then"
+            );
+        }
         let reasons: Vec<String> = self
             .maneuvers
             .iter()
