@@ -98,7 +98,7 @@ pub fn calibrate_with_trips<E: From<VehicleError>>(
                 run.turn_g = None;
             }
             // The model of a shape is that at the run's own height.
-            let recorder = recorder.filter(|_| run.height_is_known());
+            let recorder = recorder.filter(|_| run.height_is_known() && run.lift_axle.is_down());
             shape_runs.extend(recorder.map(|recorder| recorder.finish(run.load, run.speed_mps)));
             runs.push(run);
         }
@@ -144,7 +144,9 @@ impl<'a> RunDesigns<'a> {
         };
         let given = options.lift_axle;
         let present = design(positions.at(given.unwrap_or_default())?)?;
-        let raised = positions.at(LiftAxle::Raised).ok().filter(|_| given.is_none());
+        // The printed equations are those of one load on all axles.
+        let is_open = given.is_none() && options.variant == Variant::Complete;
+        let raised = positions.at(LiftAxle::Raised).ok().filter(|_| is_open);
         Ok(Self { options, present, raised: raised.map(design).transpose()? })
     }
 

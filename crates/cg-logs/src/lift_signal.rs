@@ -16,8 +16,8 @@ const STOPPED_CYCLES: f64 = 10.0;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct LiftSignal {
     position: Option<LiftAxle>,
-    /// Since when it says the other position, s.
-    other_s: Option<f64>,
+    /// The position that it says next, and since when, s.
+    next: Option<(LiftAxle, f64)>,
     /// Whether it has ever said down, and raised.
     has_said: [bool; 2],
     values: u32,
@@ -26,21 +26,28 @@ pub struct LiftSignal {
 }
 
 impl LiftSignal {
-    /// Takes a value, NaN if there is none, at a time, s. The position that it says now.
-    pub fn push(&mut self, value: f64, now_s: f64) -> Option<LiftAxle> {
-        if let Some(said) = LiftAxle::of_value(value) {
-            self.count(now_s);
-            match self.position {
-                None => self.take(said),
-                Some(position) if position == said => self.other_s = None,
-                Some(_) => drop(self.other_s.get_or_insert(now_s)),
+    /// Takes a value, NaN if there is none, at a time, s. The position that it says now. The first one counts `at_once`, or when it
+    /// has been said for as long as any other.
+    pub fn push(&mut self, value: f64, now_s: f64, at_once: bool) -> Option<LiftAxle> {
+        match LiftAxle::of_value(value) {
+            Some(said) => {
+                self.count(now_s);
+                match (self.position, self.next) {
+                    (None, _) if at_once => self.take(said),
+                    (Some(position), _) if position == said => self.next = None,
+                    (_, Some((next, _))) if next == said => {}
+                    _ => self.next = Some((said, now_s)),
+                }
             }
+            // An error is no confirmation.
+            None if !value.is_nan() => self.next = None,
+            None => {}
         }
-        // The other position holds until something else is said.
-        if let Some(position) = self.position
-            && self.other_s.is_some_and(|since_s| now_s - since_s >= MOVES_S)
+        // It holds until something else is said.
+        if let Some((next, since_s)) = self.next
+            && now_s - since_s >= MOVES_S
         {
-            self.take(position.other());
+            self.take(next);
         }
         self.position
     }
@@ -54,7 +61,7 @@ impl LiftSignal {
     }
 
     fn take(&mut self, position: LiftAxle) {
-        (self.position, self.other_s) = (Some(position), None);
+        (self.position, self.next) = (Some(position), None);
         self.has_said[usize::from(!position.is_down())] = true;
     }
 
@@ -86,7 +93,7 @@ mod tests {
     #[test]
     fn an_axle_moves_when_the_signal_says_so_for_a_second() {
         let mut signal = LiftSignal::default();
-        let mut says = |value: f64, now_s: f64| signal.push(value, now_s);
+        let mut says = |value: f64, now_s: f64| signal.push(value, now_s, true);
         assert_eq!([says(f64::NAN, 0.0), says(2.0, 0.1), says(0.0, 0.2)], [None, None, DOWN]);
         // One wrong value.
         assert_eq!([says(1.0, 5.0), says(0.0, 5.1), says(0.0, 9.0)], [DOWN; 3]);
@@ -96,22 +103,35 @@ mod tests {
             [says(0.0, 50.0), says(f64::NAN, 50.9), says(f64::NAN, 51.1)],
             [RAISED, RAISED, DOWN]
         );
+        // An error is neither.
+        assert_eq!([says(1.0, 60.0), says(3.0, 60.5), says(f64::NAN, 70.0)], [DOWN; 3]);
         assert!([LiftAxle::Down, LiftAxle::Raised].into_iter().all(|one| signal.has_said(one)));
         assert_eq!(signal.position(), DOWN);
     }
 
     #[test]
+    fn a_first_value_counts_at_once_if_nothing_is_lost_by_it() {
+        let mut signal = LiftSignal::default();
+        assert_eq!([0.0, 0.5, 0.9].map(|now_s| signal.push(0.0, now_s, false)), [None; 3]);
+        assert_eq!(
+            [1.0, 1.9, 2.1].map(|now_s| signal.push(1.0, now_s, false)),
+            [None, None, RAISED]
+        );
+        assert!(!signal.has_said(LiftAxle::Down));
+    }
+
+    #[test]
     fn a_signal_with_a_cycle_can_stop() {
         let (mut cyclic, mut once) = (LiftSignal::default(), LiftSignal::default());
-        once.push(1.0, 0.0);
+        once.push(1.0, 0.0, true);
         for k in 0..10 {
-            cyclic.push(1.0, f64::from(k));
+            cyclic.push(1.0, f64::from(k), true);
         }
         assert!(!cyclic.has_stopped(18.9) && cyclic.has_stopped(19.1));
         assert!(!once.has_stopped(1e4) && !once.has_said(LiftAxle::Down));
         let mut slow = LiftSignal::default();
         for k in 0..10 {
-            slow.push(0.0, 10.0 * f64::from(k));
+            slow.push(0.0, 10.0 * f64::from(k), true);
         }
         assert!(!slow.has_stopped(189.0) && slow.has_stopped(191.0));
     }

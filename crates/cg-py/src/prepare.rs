@@ -4,7 +4,7 @@ use cg_logs::log::{LogOptions, LogRow, Plausibility, Preparation};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::error::{in_python, value_error};
+use crate::error::{in_python, value_error, vehicle_error};
 use crate::log::table;
 use crate::signals::{borrowed, columns};
 use crate::vehicle::Vehicle;
@@ -31,7 +31,11 @@ pub(crate) fn prepare<'py>(
     let beginning: Vec<LogRow> = (0..columns.rows().min(Preparation::LOOK))
         .map_while(|index| row(index, &mut plausibility.clone()).ok())
         .collect();
-    let options = LogOptions { settings, ..LogOptions::default() };
+    let options = match vehicle.map(|vehicle| vehicle.get()) {
+        Some(vehicle) => LogOptions::default().of_vehicle(&vehicle.file, vehicle.lift_axle),
+        None => Ok(LogOptions::default()),
+    };
+    let options = options.map_err(vehicle_error)?;
     let Some(mut preparation) = Preparation::of(&columns.signals(), &beginning, &options) else {
         return Ok(None);
     };

@@ -1,7 +1,7 @@
 //! Lift axles of the trailer: the vehicle with them raised.
 //!
 //! A raised axle carries nothing and belongs to the sprung mass. The springs and tires of the others carry its load, so the
-//! trailer rolls by a third to a half more with one of three axles raised.
+//! trailer rolls by a third more with one of three axles raised, and by more than a half with one of two.
 
 use serde::{Deserialize, Serialize};
 

@@ -1,6 +1,7 @@
 //! Learning from empty driving ([`cg_logs::learn`]): what is learned is used from the next start on.
 
 use cg_core::{Design, Maneuver};
+use cg_logs::estimate::{EstimateOptions, Truck};
 use cg_logs::learn::{Learned, Learner, Taken};
 use cg_vehicle::belief::Belief;
 use cg_vehicle::lift::LiftAxle;
@@ -58,6 +59,18 @@ fn told(taken: Result<Option<Taken>, VehicleError>, trips: usize) -> Option<Told
     }
 }
 
+/// What is known of the truck, if it gives a design in every position of its lift axles.
+fn usable(
+    (vehicle, variant): (&Vehicle, Variant),
+    belief: Option<Belief>,
+) -> Result<Option<Belief>, VehicleError> {
+    if let Some(belief) = &belief {
+        let options = EstimateOptions { variant, ..EstimateOptions::default() };
+        Truck::positions(vehicle, belief, options)?;
+    }
+    Ok(belief)
+}
+
 /// What the truck starts with.
 pub(crate) struct Start {
     /// What is known of the truck, if it has learned anything.
@@ -80,7 +93,8 @@ impl Start {
             let resumed = learned.resume(vehicle, variant);
             let trips = learned.trips();
             messages.extend(told(resumed, trips));
-            match learned.belief(vehicle, variant, now_s) {
+            let found = learned.belief(vehicle, variant, now_s);
+            match found.and_then(|found| usable((vehicle, variant), found)) {
                 Ok(found) => known = found,
                 Err(error) => {
                     let message = format!("what was learned cannot be used: {error}");

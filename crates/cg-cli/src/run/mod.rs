@@ -58,7 +58,6 @@ use cg_logs::state::Owner;
 use cg_vehicle::belief::Belief;
 use cg_vehicle::calibration::{Calibration, Judgment};
 use cg_vehicle::design::design_with;
-use cg_vehicle::scales::Scales;
 use cg_vehicle::sensor_places::Road;
 use cg_vehicle::{Vehicle, VehicleError};
 
@@ -187,7 +186,7 @@ fn session<W: Write>(
     (session.settings, session.lift) = (settings, Lift::new(options.lift_axle, raised));
     session.request = arguments.speed_request.map(SpeedRequest::new);
     session.weighing.sd_kg = arguments.trailer_mass_sd_kg;
-    session.weighing.scales = Scales::of(vehicle);
+    session.weighing.scales = options.scales;
     Ok(session)
 }
 

@@ -264,7 +264,7 @@ impl<W: Write> Session<W> {
 
     fn maneuver(&mut self, maneuver: &Maneuver<f64>) -> io::Result<()> {
         self.report_nominal_mass()?;
-        self.lift.turn(self.time_s(maneuver.end_us));
+        self.lift.turn(lift::stream_s(maneuver.end_us));
         let engine = (&mut self.estimator, &self.options);
         let is_of_another_load = self.stop.close(maneuver, engine);
         self.sensors.close(is_of_another_load);

@@ -404,6 +404,21 @@ fn a_wrong_value_is_no_move_and_a_signal_that_stops_is_told() {
     let once = |row: usize, _: &str| if row == 0 { "1".to_owned() } else { String::new() };
     let once = truck.scratch.file("once.csv", with_column(&long, "lift_axle_raised", once));
     assert!(!says(&truck.estimate(&once, &[]), "lift axle"));
+    // What is said after some turns says nothing of these.
+    let late = |row: usize, _: &str| if row == 1200 { "0".to_owned() } else { String::new() };
+    let late = truck.scratch.file("late.csv", with_column(&long, "lift_axle_raised", late));
+    assert!(says(
+        &truck.estimate(&late, &[]),
+        "turns ended before anything said where the lift axle was"
+    ));
+    // A move within a turn contradicts nothing.
+    let moves = |row: usize, _: &str| if row > 200 { "1".to_owned() } else { "0".to_owned() };
+    let moves = truck.scratch.file("moves.csv", with_column(&long, "lift_axle_raised", moves));
+    let live = lines(&truck.run(&moves, &[]).done());
+    let notices = events(&live, "notice");
+    assert!(notices.iter().all(|one| one["subject"] != "lift_axle"), "{notices:?}");
+    assert_eq!(events(&live, "load_changed").len(), 1);
+    is_within_a_percent(last_height(&live));
     // Said wherever in the log, another position than the given one contradicts it.
     let late = truck.scratch.file(
         "late.csv",

@@ -71,7 +71,7 @@ impl Sampler {
         if !value.is_nan() {
             self.unread_lift_axle = value;
         }
-        if let Some(position) = self.lift_signal.push(value, now_s) {
+        if let Some(position) = self.lift_signal.push(value, now_s, true) {
             self.resume(position);
         }
     }

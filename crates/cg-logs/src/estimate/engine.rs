@@ -66,11 +66,17 @@ impl Engine {
         }
     }
 
-    /// An estimator of a truck that this one has become with the same load: it knows its mass and no height.
+    /// An estimator of a truck that this one has become with the same load: it knows no height, and the given mass, kg, or that
+    /// which this one knows.
     #[must_use]
-    pub fn become_other(&self, design: &Design<f64>, options: &EstimateOptions) -> Self {
+    pub fn become_other(
+        &self,
+        (design, options): (&Design<f64>, &EstimateOptions),
+        mass_kg: Option<f64>,
+    ) -> Self {
         let new = Self::new(design, options);
-        let memory = Memory { trailer_mass_kg: self.memory().trailer_mass_kg, ..new.memory() };
+        let trailer_mass_kg = mass_kg.unwrap_or(self.memory().trailer_mass_kg);
+        let memory = Memory { trailer_mass_kg, ..new.memory() };
         Self::restored(design, options, &memory).unwrap_or(new)
     }
 

@@ -177,14 +177,17 @@ impl LogEstimator {
 
     /// Follows the lift axles. If they have moved, the truck is another one, and the estimator begins again.
     fn follow(&mut self, row: &LogRow) {
-        let Some(mut there) = self.lift.follow(row.lift_axle, row.time_s) else { return };
+        let has_heights = !self.maneuvers.is_empty();
+        let Some(position) = self.lift.hear(row.lift_axle, row.time_s, has_heights) else { return };
         self.end();
+        let Some(mut there) = self.lift.set(position) else { return };
         core::mem::swap(&mut there.design, &mut self.design);
         core::mem::swap(&mut there.settings, &mut self.settings);
         core::mem::swap(&mut there.options, &mut self.options);
         self.lift.leave(there, (row.time_s, self.maneuvers.len()));
         self.first_of_load = self.maneuvers.len();
-        self.engine = self.engine.become_other(&self.design, &self.options);
+        let mass_kg = Some(self.trailer_mass_kg);
+        self.engine = self.engine.become_other((&self.design, &self.options), mass_kg);
         (self.neighbors, self.status, self.seen_kinds) =
             (Neighbors::NONE, Status::Straight, (0, false));
         self.sensors.close(true);

@@ -21,18 +21,18 @@ impl LogEstimator {
         if self.rows == self.absent_rows {
             return "rejected: no row has a roll angle and an input".to_owned();
         }
-        if let Some((moved_s, _)) = self.lift.moved() {
+        let of_channel = |maneuver: &Maneuver<f64>| maneuver.outcomes[shown.index()].height_m;
+        let of_load = self.of_load().iter();
+        let rejects = of_load.filter_map(|maneuver| of_channel(maneuver).err());
+        let reasons: Vec<String> = rejects.map(|reject| reason(&self.design, &reject)).collect();
+        let had_height = || self.maneuvers.iter().any(|maneuver| of_channel(maneuver).is_ok());
+        if let Some((moved_s, _)) = self.lift.moved().filter(|_| had_height()) {
+            let why = reasons.last().map(|last| format!(" ({last})")).unwrap_or_default();
             return format!(
-                "rejected: no turn has given a height since the lift axle moved at {moved_s:.0} s; for that of before, give the log \
-                 until then"
+                "rejected: no turn has given a height since the lift axle moved at {moved_s:.0} s{why}; for that of before, give \
+                 the log until then"
             );
         }
-        let reasons: Vec<String> = self
-            .maneuvers
-            .iter()
-            .filter_map(|maneuver| maneuver.outcomes[shown.index()].height_m.err())
-            .map(|reject| reason(&self.design, &reject))
-            .collect();
         match reasons.last() {
             None => "rejected: unexcited, the log contains no turn (at least 0.5 m/s² of lateral \
                      acceleration); record a drive with turns"

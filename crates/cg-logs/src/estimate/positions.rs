@@ -19,6 +19,8 @@ const UNKNOWN: &str = "the trailer has a lift axle, and nothing says whether it 
 const KEPT: &str = "the lift axle was raised before the restart, and nothing has said since where it is; if it is down now, the height is a \
                     tenth to a third too low, which the interval does not contain, and nothing is learned: give a signal of \
                     lift_axle, or ⟨lift_axle⟩";
+const LATE: &str = "turns ended before anything said where the lift axle was, and they count as those after; if it has moved, the height is 10 \
+                    to 41 % wrong, which the interval does not contain, and nothing is learned";
 const STOPPED: &str = "the signal of the lift axle has stopped, and the axle counts as it was then; if it has moved since, the height is 10 to \
                        41 % wrong, which the interval does not contain, and nothing is learned";
 const GIVEN_RAISED: &str = "the lift axle was given as raised, but the log says that it is down, at least at times: one of them is wrong, and if \
@@ -79,8 +81,10 @@ pub struct Lift {
     position: LiftAxle,
     is_given: bool,
     signal: LiftSignal,
-    /// Whether the signal had stopped before a turn ended.
+    /// Whether the signal had stopped before a turn ended, and has not come again.
     has_stopped: bool,
+    /// Whether it had said nothing before a turn ended.
+    was_late: bool,
     /// When they moved after maneuvers, s, and the number of these.
     moved: Option<(f64, usize)>,
 }
@@ -104,15 +108,19 @@ impl Lift {
         self.moved
     }
 
-    /// Takes the value of the signal, NaN if there is none, at a time, s. If they have moved, the truck with them there is
-    /// returned; [`leave`](Self::leave) that of before in its place.
-    pub fn follow(&mut self, value: f64, now_s: f64) -> Option<Box<Truck>> {
-        let position = self.signal.push(value, now_s)?;
-        self.resume(position)
+    /// Takes the value of the signal, NaN if there is none, at a time, s. If they have moved, the position to which they are to be
+    /// [set](Self::set) is returned, after which nothing of the truck before is asked for. `has_heights` is whether a move discards
+    /// any.
+    pub fn hear(&mut self, value: f64, now_s: f64, has_heights: bool) -> Option<LiftAxle> {
+        let at_once = self.other.is_some() && !has_heights;
+        let position = self.signal.push(value, now_s, at_once)?;
+        self.has_stopped &= value.is_nan();
+        (self.other.is_some() && position != self.position).then_some(position)
     }
 
-    /// The same for a position that was kept over a restart.
-    pub fn resume(&mut self, position: LiftAxle) -> Option<Box<Truck>> {
+    /// Sets the position. If it is another one, the truck with them there is returned; [`leave`](Self::leave) that of before in
+    /// its place.
+    pub fn set(&mut self, position: LiftAxle) -> Option<Box<Truck>> {
         let there = self.other.take_if(|_| position != self.position)?;
         self.position = position;
         Some(there)
@@ -120,13 +128,14 @@ impl Lift {
 
     /// Keeps the truck of before; `moved` is the time, s, and the number of maneuvers so far.
     pub fn leave(&mut self, before: Box<Truck>, moved: (f64, usize)) {
-        (self.other, self.has_stopped) = (Some(before), false);
+        (self.other, self.has_stopped, self.was_late) = (Some(before), false, false);
         self.moved = Some(moved).filter(|(_, maneuvers)| *maneuvers > 0);
     }
 
     /// Takes the end of a turn, s.
     pub fn turn(&mut self, end_s: f64) {
         self.has_stopped |= self.signal.has_stopped(end_s);
+        self.was_late |= self.signal.position().is_none();
     }
 
     /// What is not known of their position, contradicts it, or has changed.
@@ -162,7 +171,8 @@ impl Lift {
         match (self.signal.position(), self.position) {
             (None, LiftAxle::Down) => Some(UNKNOWN),
             (None, LiftAxle::Raised) => Some(KEPT),
-            (Some(_), _) => self.has_stopped.then_some(STOPPED),
+            (Some(_), _) if self.has_stopped => Some(STOPPED),
+            (Some(_), _) => self.was_late.then_some(LATE),
         }
     }
 }

@@ -16,20 +16,28 @@ const LOWERED: &str =
 const RAISED: &str =
     "the lift axle was raised: the heights so far are those with it down and were discarded";
 
+/// Stream time, which no clock sets, s.
+#[allow(clippy::cast_precision_loss)] // 2^53 µs are 285 years
+pub(super) fn stream_s(stream_us: u64) -> f64 {
+    stream_us as f64 * 1e-6
+}
+
 impl<W: Write> Session<W> {
     /// Takes the position of the lift axles: 0 down, 1 raised, NaN if nothing says it. If they have moved, the heights so far are
     /// those of the truck before.
     pub(crate) fn follow_lift_axle(&mut self, value: f64) -> io::Result<()> {
-        let now_s = self.time_s(self.now_us);
-        let Some(there) = self.lift.follow(value, now_s) else { return Ok(()) };
+        let has_heights = self.known.height_m.is_some();
+        let now_s = stream_s(self.now_us);
+        let Some(position) = self.lift.hear(value, now_s, has_heights) else { return Ok(()) };
         if let Some(maneuver) = self.estimator.finish() {
             self.maneuver(&maneuver)?;
         }
         self.learn(None)?;
         let had_height = self.known.height_m.is_some();
-        self.exchange(there);
+        if let Some(there) = self.lift.set(position) {
+            self.exchange(there);
+        }
         self.begin_again();
-        let position = self.lift.position();
         if had_height {
             let message = match position {
                 LiftAxle::Down => LOWERED,
@@ -44,7 +52,7 @@ impl<W: Write> Session<W> {
 
     /// Begins with the lift axles where they were before a restart. Whether they can be there.
     pub(super) fn resume(&mut self, position: LiftAxle) -> bool {
-        if let Some(there) = self.lift.resume(position) {
+        if let Some(there) = self.lift.set(position) {
             self.exchange(there);
         }
         position == self.lift.position()
@@ -59,7 +67,9 @@ impl<W: Write> Session<W> {
         if let Some(learning) = &mut self.learning {
             learning.set_lift_axle(self.lift.position());
         }
-        self.estimator = self.estimator.become_other(&design, &self.options);
+        self.weighing.scales = self.options.scales;
+        let mass_kg = self.trailer_mass_kg.or(self.weighed_kg);
+        self.estimator = self.estimator.become_other((&design, &self.options), mass_kg);
     }
 
     /// Forgets what belongs to the truck before, but its mass.

@@ -94,7 +94,11 @@ impl<W: Write> Session<W> {
     /// Reports that nothing says where the lift axles are, or that the vehicle file has none.
     fn report_lift_axle(&mut self) -> io::Result<()> {
         let doubt = self.lift.doubt().filter(|_| self.known.height_m.is_some());
-        self.notice_of_load("lift_axle", doubt.map(str::to_owned).as_slice())
+        // Of one load there may be several.
+        match doubt.filter(|doubt| self.told.insert(doubt)) {
+            Some(doubt) => self.notice("lift_axle", doubt),
+            None => Ok(()),
+        }
     }
 
     /// Reports that a trailer that is empty by its mass has another height than it should.
