@@ -31,7 +31,7 @@ pub(crate) fn prepare<'py>(
     let beginning: Vec<LogRow> = (0..columns.rows().min(Preparation::LOOK))
         .map_while(|index| row(index, &mut plausibility.clone()).ok())
         .collect();
-    let options = match vehicle.map(|vehicle| vehicle.get()) {
+    let options = match vehicle.map(Bound::get) {
         Some(vehicle) => LogOptions::default().of_vehicle(&vehicle.file, vehicle.lift_axle),
         None => Ok(LogOptions::default()),
     };
