@@ -198,9 +198,14 @@ impl<W: Write> Session<W> {
         self.write_event(&Event::Notice { subject, message: flags::with_flags(message) })
     }
 
-    #[allow(clippy::cast_precision_loss)]
     fn time_s(&self, stream_us: u64) -> f64 {
-        self.offset_s + stream_us as f64 * 1e-6
+        self.offset_s + Self::stream_s(stream_us)
+    }
+
+    /// Stream time, which no clock sets, s.
+    #[allow(clippy::cast_precision_loss)] // 2^53 µs are 285 years
+    fn stream_s(stream_us: u64) -> f64 {
+        stream_us as f64 * 1e-6
     }
 
     /// Processes a sample. A sample without another one close to it is not part of a motion and is
@@ -264,7 +269,7 @@ impl<W: Write> Session<W> {
 
     fn maneuver(&mut self, maneuver: &Maneuver<f64>) -> io::Result<()> {
         self.report_nominal_mass()?;
-        self.lift.turn(lift::stream_s(maneuver.end_us));
+        self.lift.turn(Self::stream_s(maneuver.end_us));
         let engine = (&mut self.estimator, &self.options);
         let is_of_another_load = self.stop.close(maneuver, engine);
         self.sensors.close(is_of_another_load);

@@ -16,18 +16,12 @@ const LOWERED: &str =
 const RAISED: &str =
     "the lift axle was raised: the heights so far are those with it down and were discarded";
 
-/// Stream time, which no clock sets, s.
-#[allow(clippy::cast_precision_loss)] // 2^53 µs are 285 years
-pub(super) fn stream_s(stream_us: u64) -> f64 {
-    stream_us as f64 * 1e-6
-}
-
 impl<W: Write> Session<W> {
     /// Takes the position of the lift axles: 0 down, 1 raised, NaN if nothing says it. If they have moved, the heights so far are
     /// those of the truck before.
     pub(crate) fn follow_lift_axle(&mut self, value: f64) -> io::Result<()> {
         let has_heights = self.known.height_m.is_some();
-        let now_s = stream_s(self.now_us);
+        let now_s = Self::stream_s(self.now_us);
         let Some(position) = self.lift.hear(value, now_s, has_heights) else { return Ok(()) };
         if let Some(maneuver) = self.estimator.finish() {
             self.maneuver(&maneuver)?;
