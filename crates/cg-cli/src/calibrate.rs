@@ -47,7 +47,8 @@ pub(crate) fn run(arguments: &CalibrateArgs, files: Files) -> anyhow::Result<Out
         files = files.reads("--from-state", state);
     }
     let target = files.prints()?.writes("--output", &arguments.output, Kind::Calibration)?;
-    let options = arguments.frames.log_options(&arguments.columns, (&vehicle, arguments.lift))?;
+    let truck = (&vehicle, arguments.lift, arguments.model);
+    let options = arguments.frames.log_options(&arguments.columns, truck)?;
     let progress = ProgressBar::hidden();
     let &CalibrateArgs { model: variant, method, procedure, part, channel, .. } = arguments;
     let lift_axle = arguments.lift.lift_axle;

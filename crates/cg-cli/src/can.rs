@@ -6,7 +6,7 @@ use anyhow::anyhow;
 use cg_core::signal::j1939::Compensation;
 use cg_logs::can::{DeviceFilter, MappedSignal, SignalMap, Vdc2};
 use cg_logs::log::{CanOptions, LogOptions};
-use cg_vehicle::Vehicle;
+use cg_vehicle::{Variant, Vehicle};
 use clap::Args;
 
 use crate::args::ColumnArgs;
@@ -59,10 +59,10 @@ impl CanArgs {
     pub(crate) fn log_options(
         &self,
         columns: &ColumnArgs,
-        (vehicle, lift): (&Vehicle, LiftArgs),
+        (vehicle, lift, variant): (&Vehicle, LiftArgs, Variant),
     ) -> anyhow::Result<LogOptions> {
         let options = LogOptions { can: self.options()?, ..columns.options() };
-        Ok(options.of_vehicle(vehicle, lift.lift_axle)?)
+        Ok(options.of_vehicle(vehicle, lift.lift_axle, variant)?)
     }
 
     /// Refuses these options where there are no CAN frames. `why` says so, and what to do.

@@ -53,8 +53,8 @@ pub(crate) fn run(arguments: &EstimateArgs, files: Files) -> anyhow::Result<Outc
         return Err(anyhow!("standard input (-) can be read only once"));
     }
     let estimator = LogEstimator::of_truck(&vehicle, &belief, options)?;
-    let log_options =
-        arguments.frames.log_options(&arguments.columns, (&vehicle, arguments.truck.lift))?;
+    let truck = (&vehicle, arguments.truck.lift, arguments.truck.model);
+    let log_options = arguments.frames.log_options(&arguments.columns, truck)?;
     let progress = progress_bar(&logs);
     let pool = rayon::ThreadPoolBuilder::new().num_threads(arguments.jobs).build()?;
     let room = target.as_ref().map(|_| report::room(logs.len()));

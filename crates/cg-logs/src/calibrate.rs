@@ -76,7 +76,7 @@ pub fn calibrate_with_trips<E: From<VehicleError>>(
     let (mut shape_runs, mut doubts) = (Vec::new(), Vec::new());
     let positions = Positions::of(vehicle)?;
     for pass in 1..=PASSES {
-        let designs = RunDesigns::new(&positions, options, &belief)?;
+        let designs = RunDesigns::new(vehicle, options, &belief)?;
         let mut runs = Vec::with_capacity(logs.len());
         for known in logs {
             let mut estimator = designs.estimator(known)?;
@@ -86,10 +86,10 @@ pub fn calibrate_with_trips<E: From<VehicleError>>(
             feed(known, &mut estimator)?;
             let recorder = estimator.recorder();
             let identified = estimator.identified();
-            let vehicle = positions.at(identified.lift_axle.0)?;
+            let vehicle = positions.at(identified.lift_axle)?;
             if pass == PASSES {
                 doubts.extend(doubt(vehicle, known, &identified));
-                let unknown = identified.lift_doubt[1];
+                let unknown = identified.lift_unknown;
                 doubts.extend(unknown.map(|unknown| format!("{}: {unknown}", known.log)));
             }
             let mut run = run_of(vehicle, known, &identified)?;
@@ -127,32 +127,30 @@ pub fn calibrate_with_trips<E: From<VehicleError>>(
 }
 
 /// The designs with which runs are identified: for the given position of the lift axles, or for down and raised.
-struct RunDesigns<'a> {
+struct RunDesigns {
     options: CalibrateOptions,
-    present: (&'a Vehicle, RatioDesign),
-    raised: Option<(&'a Vehicle, RatioDesign)>,
+    present: (Vehicle, RatioDesign),
+    raised: Option<(Vehicle, RatioDesign)>,
 }
 
-impl<'a> RunDesigns<'a> {
+impl RunDesigns {
     fn new(
-        positions: &'a Positions<'_>,
+        vehicle: &Vehicle,
         options: CalibrateOptions,
         belief: &Belief,
     ) -> Result<Self, VehicleError> {
-        let design = |vehicle: &'a Vehicle| -> Result<_, VehicleError> {
-            Ok((vehicle, RatioDesign::new(vehicle, options.variant, belief)?))
+        let design = |vehicle: Vehicle| -> Result<_, VehicleError> {
+            let design = RatioDesign::new(&vehicle, options.variant, belief)?;
+            Ok((vehicle, design))
         };
-        let given = options.lift_axle;
-        let present = design(positions.at(given.unwrap_or_default())?)?;
-        // The printed equations are those of one load on all axles.
-        let is_open = given.is_none() && options.variant == Variant::Complete;
-        let raised = positions.at(LiftAxle::Raised).ok().filter(|_| is_open);
-        Ok(Self { options, present, raised: raised.map(design).transpose()? })
+        let (present, raised) = vehicle.in_positions(options.lift_axle, options.variant)?;
+        let raised = raised.map(design).transpose()?;
+        Ok(Self { options, present: design(present)?, raised })
     }
 
     /// The estimator for a run.
     fn estimator(&self, known: &KnownLog) -> Result<LogEstimator, VehicleError> {
-        let truck = |(vehicle, design): &(&Vehicle, RatioDesign)| -> Result<_, VehicleError> {
+        let truck = |(vehicle, design): &(Vehicle, RatioDesign)| -> Result<_, VehicleError> {
             let design = design.at_height(known.load.height_m(vehicle).value)?;
             Ok(Truck::new(vehicle, &design, of_run(vehicle, self.options, known)))
         };
@@ -235,7 +233,7 @@ pub fn run(
     estimator: LogEstimator,
 ) -> Result<Run, VehicleError> {
     let identified = estimator.identified();
-    run_of(Positions::of(vehicle)?.at(identified.lift_axle.0)?, known, &identified)
+    run_of(Positions::of(vehicle)?.at(identified.lift_axle)?, known, &identified)
 }
 
 fn run_of(
@@ -261,11 +259,10 @@ fn run_of(
             known.log
         )));
     }
-    if let [Some(contradiction), _] = identified.lift_doubt {
+    if let Some(contradiction) = identified.lift_contradiction {
         return Err(VehicleError::Model(format!("{}: {contradiction}", known.log)));
     }
-    let (lift_axle, moved_s) = identified.lift_axle;
-    if let Some(moved_s) = moved_s {
+    if let Some(moved_s) = identified.lift_moved_s {
         return Err(VehicleError::Model(format!(
             "{}: the lift axle moved at {moved_s:.0} s, but a run has it in one position: give a log of one of them",
             known.log
@@ -296,7 +293,7 @@ fn run_of(
         load,
         height_sd_m: height_m.sd,
         trailer_mass_sd_kg,
-        lift_axle,
+        lift_axle: identified.lift_axle,
         speed_mps: identified.speed_mps,
         turn_g: identified.turn_g,
         ratio: identified.ratio,

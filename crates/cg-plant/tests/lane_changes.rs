@@ -1,15 +1,15 @@
 //! Lane changes of trucks that differ from their file, after a calibration: whether their intervals hold.
 #![allow(clippy::unwrap_used, clippy::cast_precision_loss, reason = "helpers of tests")]
 
-use crate::common;
-use cg_core::{Channel, Design};
+use crate::{common, drawn};
+use cg_core::Design;
 use cg_logs::calibrate::{CalibrateOptions, KnownLoad, KnownLog, calibrate};
 use cg_logs::estimate::{EstimateOptions, LogEstimate, LogEstimator, RoadChoice};
 use cg_logs::log::LogRow;
 use cg_plant::maneuver::Maneuver;
 use cg_plant::sensors::Sensors;
 use cg_plant::simulate::{LogSimulation, Plant, Scenario};
-use cg_vehicle::belief::{Belief, Deviations, adjusted, log_gain};
+use cg_vehicle::belief::{Belief, Deviations, adjusted};
 use cg_vehicle::design::design_with;
 use cg_vehicle::{Load, Variant, Vehicle, VehicleError};
 use rand::SeedableRng;
@@ -24,16 +24,13 @@ const TRUCKS: u64 = 100;
 struct Drawn<'a> {
     file: &'a Vehicle,
     truck: Vehicle,
-    /// What the steer angle and the lateral acceleration are multiplied with by their sensors.
-    gains: [f64; 2],
+    deviations: Deviations,
     seed: u64,
 }
 
 impl<'a> Drawn<'a> {
     fn new(file: &'a Vehicle, deviations: &Deviations, seed: u64) -> Self {
-        let gain = |channel| (-log_gain(deviations, channel)).exp();
-        let gains = [Channel::Steer, Channel::LateralAcceleration].map(gain);
-        Self { file, truck: adjusted(file, deviations), gains, seed }
+        Self { file, truck: adjusted(file, deviations), deviations: *deviations, seed }
     }
 
     fn load(&self, (payload_kg, cg_height_m): (f64, f64)) -> Load {
@@ -52,19 +49,9 @@ impl<'a> Drawn<'a> {
             seed: 10 * self.seed + noise,
             ..Scenario::of(&self.truck, maneuver)
         };
-        // The part of the model error that no calibration removes.
-        let mut source = StdRng::seed_from_u64(scenario.seed);
-        let residual_sd = self.file.uncertainty.residual_sd;
-        let [steer, lateral] = self.gains.map(|gain| {
-            let normal: f64 = StandardNormal.sample(&mut source);
-            gain * (residual_sd * normal).exp()
-        });
+        let seed = scenario.seed;
         let mut rows = LogSimulation::new(&self.truck, scenario).unwrap().rows();
-        for row in &mut rows {
-            row.steer_rad *= steer;
-            row.lateral_acceleration_mps2 *= lateral;
-            row.yaw_rate_radps *= lateral;
-        }
+        drawn::measure(&mut rows, (self.file, &self.deviations), seed);
         rows
     }
 
@@ -129,12 +116,7 @@ fn the_intervals_of_lane_changes_hold_after_a_calibration() {
     let trucks: Vec<Drawn<'_>> = (0..TRUCKS)
         .map(|seed| Drawn::new(&file, &prior.drawn(|| StandardNormal.sample(&mut source)), seed))
         .collect();
-    let (first, second) = trucks.split_at(trucks.len() / 2);
-    let of = |half: &[Drawn<'_>]| half.iter().filter_map(outcome).collect::<Vec<_>>();
-    let made = std::thread::scope(|scope| {
-        let other = scope.spawn(|| of(second));
-        [of(first), other.join().unwrap()].concat()
-    });
+    let made: Vec<_> = drawn::each(&trucks, outcome).into_iter().flatten().collect();
     // The models of some have no steady turn at some mass.
     println!("{} of {TRUCKS} trucks are calibrated", made.len());
     assert!(made.len() >= 90);

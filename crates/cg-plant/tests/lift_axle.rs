@@ -1,15 +1,14 @@
 //! Trucks with a raised lift axle that differ from their file, calibrated with the axle down: whether their intervals hold.
 #![allow(clippy::unwrap_used, clippy::cast_precision_loss, reason = "helpers of tests")]
 
-use crate::common;
-use cg_core::Channel;
+use crate::{common, drawn};
 use cg_logs::calibrate::{CalibrateOptions, KnownLoad, KnownLog, calibrate};
 use cg_logs::estimate::{EstimateOptions, LogEstimate, LogEstimator, RoadChoice};
 use cg_logs::log::LogRow;
 use cg_plant::maneuver::Maneuver;
 use cg_plant::sensors::Sensors;
 use cg_plant::simulate::{LogSimulation, Plant, Scenario};
-use cg_vehicle::belief::{Belief, Deviations, adjusted, log_gain};
+use cg_vehicle::belief::{Belief, Deviations, adjusted};
 use cg_vehicle::lift::LiftAxle;
 use cg_vehicle::{Load, Vehicle, VehicleError};
 use rand::SeedableRng;
@@ -58,18 +57,10 @@ impl Drawn<'_> {
             seed: 10 * self.seed + noise,
             ..Scenario::of(&truck, Maneuver::RoundedStep)
         };
-        // The part of the model error that no calibration removes.
-        let mut source = StdRng::seed_from_u64(scenario.seed);
-        let residual_sd = file.uncertainty.residual_sd;
-        let [steer, lateral] = [Channel::Steer, Channel::LateralAcceleration].map(|channel| {
-            let normal: f64 = StandardNormal.sample(&mut source);
-            (residual_sd * normal - log_gain(&self.deviations, channel)).exp()
-        });
+        let seed = scenario.seed;
         let mut rows = LogSimulation::new(&truck, scenario).unwrap().rows();
+        drawn::measure(&mut rows, (&file, &self.deviations), seed);
         for row in &mut rows {
-            row.steer_rad *= steer;
-            row.lateral_acceleration_mps2 *= lateral;
-            row.yaw_rate_radps *= lateral;
             row.lift_axle = position.value();
         }
         (load, rows)
@@ -136,12 +127,7 @@ fn the_intervals_hold_with_an_axle_raised_after_a_calibration_with_it_down() {
                 Drawn { file: &file, deviations, seed }
             })
             .collect();
-        let (first, second) = trucks.split_at(trucks.len() / 2);
-        let of = |half: &[Drawn<'_>]| half.iter().flat_map(outcome).collect::<Vec<_>>();
-        let made = std::thread::scope(|scope| {
-            let other = scope.spawn(|| of(second));
-            [of(first), other.join().unwrap()].concat()
-        });
+        let made = drawn::each(&trucks, outcome).concat();
         let rms =
             (made.iter().map(|(.., error)| error * error).sum::<f64>() / made.len() as f64).sqrt();
         let worst = made.iter().map(|(.., error)| error.abs()).fold(0.0, f64::max);

@@ -6,6 +6,7 @@ mod articulation;
 #[path = "../../cg-logs/tests/common/mod.rs"]
 mod common;
 mod compensated;
+mod drawn;
 mod end_to_end;
 mod faults;
 mod friction;

@@ -190,7 +190,8 @@ impl FrameStream {
     ) -> PyResult<Self> {
         let vehicle = vehicle.get();
         let options = options.checked(&vehicle.inner)?;
-        let reading = reading.options()?.of_vehicle(&vehicle.file, vehicle.lift_axle);
+        let reading =
+            reading.options()?.of_vehicle(&vehicle.file, vehicle.lift_axle, options.variant);
         let reading = reading.map_err(vehicle_error)?;
         let state = StreamState {
             frames: FrameRows::new(&reading),

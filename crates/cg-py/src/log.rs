@@ -29,7 +29,7 @@ pub(crate) fn estimate_file<'py>(
     let vehicle = vehicle.get();
     let options = options.checked(&vehicle.inner)?;
     let log_options = log_options(&columns, &flip)?;
-    let log_options = log_options.of_vehicle(&vehicle.file, vehicle.lift_axle);
+    let log_options = log_options.of_vehicle(&vehicle.file, vehicle.lift_axle, options.variant);
     let log_options = log_options.map_err(vehicle_error)?;
     let mut estimator = py.detach(|| vehicle.estimator(options)).map_err(vehicle_error)?;
     let mut reader = py.detach(|| LogReader::open(&path, &log_options)).map_err(log_error)?;

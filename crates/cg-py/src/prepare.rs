@@ -1,6 +1,7 @@
 //! `prepare`: tables whose rows are no samples yet.
 
 use cg_logs::log::{LogOptions, LogRow, Plausibility, Preparation};
+use cg_vehicle::Variant;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -32,7 +33,10 @@ pub(crate) fn prepare<'py>(
         .map_while(|index| row(index, &mut plausibility.clone()).ok())
         .collect();
     let options = match vehicle.map(Bound::get) {
-        Some(vehicle) => LogOptions::default().of_vehicle(&vehicle.file, vehicle.lift_axle),
+        Some(vehicle) => {
+            let variant = Variant::Complete; // scales are those of any
+            LogOptions::default().of_vehicle(&vehicle.file, vehicle.lift_axle, variant)
+        }
         None => Ok(LogOptions::default()),
     };
     let options = options.map_err(vehicle_error)?;

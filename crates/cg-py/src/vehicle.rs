@@ -115,8 +115,8 @@ impl Vehicle {
 
     /// The vehicle with its lift axles raised, and its design, if nothing but a log says where they are.
     fn raised_design(&self, variant: Variant) -> Result<Option<&Raised>, VehicleError> {
-        if self.lift_axle.is_some() || variant == Variant::AsPrinted {
-            return Ok(None);
+        if variant == Variant::AsPrinted {
+            return Ok(None); // is not kept
         }
         if let Some(known) = self.raised.get() {
             return Ok(known.as_deref());
@@ -125,7 +125,8 @@ impl Vehicle {
             let design = design_with(&raised, variant, &self.belief(variant)?)?;
             Ok(Box::new((raised, design)))
         };
-        let computed = self.file.raised()?.map(design).transpose()?;
+        let (_, raised) = self.file.in_positions(self.lift_axle, variant)?;
+        let computed = raised.map(design).transpose()?;
         Ok(self.raised.get_or_init(|| computed).as_deref())
     }
 

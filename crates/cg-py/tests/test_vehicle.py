@@ -126,6 +126,17 @@ def test_a_lift_axle_is_where_the_log_or_the_vehicle_says(truck, tmp_path):
     frame.assign(roll_rad=True).to_parquet(tmp_path / "log.parquet")
     with pytest.raises(ValueError, match="`roll_rad`: contains BOOLEAN instead of numbers"):
         cgheight.estimate_log(tmp_path / "log.parquet", vehicle=lifting)
+    # Channels of different rasters: a scale shows the mass of the axles that are left, from a file and from a table.
+    rolls = frame[["time_s", "roll_rad"]]
+    apart = frame.drop(columns=["trailer_mass_kg", "roll_rad"])
+    apart = apart.assign(trailer_axle_load_kg=9e3, time_s=frame["time_s"] + 0.002)
+    apart = pd.concat([rolls, apart]).sort_values("time_s")
+    apart.to_csv(tmp_path / "apart.csv", index=False)
+    forms = (apart, tmp_path / "apart.csv")
+    masses_kg = {cgheight.estimate_log(form, vehicle=lifting).trailer_mass_kg for form in forms}
+    down = apart.drop(columns="lift_axle_raised")
+    assert len(masses_kg) == 1
+    assert masses_kg != {cgheight.estimate_log(down, vehicle=lifting).trailer_mass_kg}
     del log["lift_axle_raised"]
     assert cgheight.estimate_log(log, vehicle=raised).height_m == one.height_m
     # A prediction follows the log, too: the signs and sizes are those of the measured turn.

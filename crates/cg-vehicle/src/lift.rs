@@ -5,6 +5,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::equations::Variant;
 use crate::error::VehicleError;
 use crate::vehicle::{Axle, HeightRange, Tare, Vehicle};
 
@@ -108,6 +109,21 @@ impl Vehicle {
             return Ok(self);
         }
         self.raised()?.ok_or_else(|| none_to_raise(&self))
+    }
+
+    /// The vehicle with its lift axles in a given position, or down; and with them raised, too, if none is given, so that a log
+    /// may say that they are. The printed equations are those of one load on all axles.
+    ///
+    /// # Errors
+    /// As [`with_lift_axle`](Self::with_lift_axle).
+    pub fn in_positions(
+        &self,
+        given: Option<LiftAxle>,
+        variant: Variant,
+    ) -> Result<(Self, Option<Self>), VehicleError> {
+        let is_open = given.is_none() && variant == Variant::Complete;
+        let raised = if is_open { self.raised()? } else { None };
+        Ok((self.clone().with_lift_axle(given.unwrap_or_default())?, raised))
     }
 
     /// The vehicle with its lift axles raised; `None` if it has none. The axles belong to the tare, at the height to
@@ -305,6 +321,21 @@ mod tests {
         assert!(!is_noted(&with_lift([Some(0.1), None, None])));
         let two = Vehicle::parse(&template(TruckKind::SixByFourTwoAxle), "truck").unwrap();
         assert!(!is_noted(&two));
+    }
+
+    #[test]
+    fn a_log_may_say_a_position_that_is_not_given() {
+        let truck = with_lift([Some(0.1), None, None]);
+        let raised = truck.raised().unwrap();
+        for (given, variant, present, other) in [
+            (None, Variant::Complete, Some(&truck), raised.as_ref()),
+            (Some(LiftAxle::Down), Variant::Complete, Some(&truck), None),
+            (Some(LiftAxle::Raised), Variant::Complete, raised.as_ref(), None),
+            (None, Variant::AsPrinted, Some(&truck), None),
+        ] {
+            let found = truck.in_positions(given, variant).unwrap();
+            assert_eq!((Some(&found.0), found.1.as_ref()), (present, other), "{given:?} {variant}");
+        }
     }
 
     #[test]

@@ -120,3 +120,21 @@ impl Start {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use cg_vehicle::belief::Parameter;
+
+    /// A truck whose drive tires have a tenth of their stiffness has no steady turn.
+    #[test]
+    fn what_gives_no_design_is_told_and_not_used() {
+        let kraz = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/vehicles/kraz.toml");
+        let vehicle = Vehicle::load(kraz).unwrap();
+        let mut belief = Belief::prior(&vehicle);
+        assert!(usable((&vehicle, Variant::Complete), Some(belief.clone())).unwrap().is_some());
+        assert!(usable((&vehicle, Variant::Complete), None).unwrap().is_none());
+        belief.mean[Parameter::DriveCorneringStiffness as usize] = 0.1_f64.ln();
+        assert!(usable((&vehicle, Variant::Complete), Some(belief)).is_err());
+    }
+}

@@ -312,8 +312,8 @@ fn log_options(arguments: &RunArgs, vehicle: &Vehicle) -> anyhow::Result<LogOpti
     if arguments.can.is_some() && arguments.frames.bus.is_some() {
         bail!("--bus selects a bus of a log, but --can names the interface; remove --bus");
     }
-    let options =
-        arguments.frames.log_options(&arguments.columns, (vehicle, arguments.truck.lift))?;
+    let truck = (vehicle, arguments.truck.lift, arguments.truck.model);
+    let options = arguments.frames.log_options(&arguments.columns, truck)?;
     if arguments.csv.is_none() {
         arguments.columns.refuse_for_frames(&options)?;
     }

@@ -27,7 +27,6 @@ use super::learning::{Learning, Start, Told};
 use super::outputs::Outputs;
 use super::pace::{Pace, pacing, too_slow};
 use super::request::SpeedRequest;
-use super::state::SavedLoad;
 use super::weighing::Weighing;
 
 /// Time between two writes of the state without an event, in stream time, µs.
@@ -452,8 +451,8 @@ impl<W: Write> Session<W> {
         let saved_s = self.time_s(self.now_us);
         let design = self.estimator.design();
         let learned = self.learning.as_ref().map(|learning| learning.learned(design));
-        let load = self.weighing.saved(self.load_since_s, self.strength(), self.trips_in_use);
-        let load = SavedLoad { lift_axle: self.lift.position(), ..load };
+        let (strength, position) = (self.strength(), self.lift.position());
+        let load = self.weighing.saved(self.load_since_s, strength, self.trips_in_use, position);
         match self.outputs.save(&memory, saved_s, load, learned.unwrap_or_default()) {
             Some(message) => self.notice("state", &message),
             None => Ok(()),

@@ -49,9 +49,10 @@ impl Weighing {
         since_s: Option<f64>,
         strength: Strength,
         trips_in_use: usize,
+        lift_axle: LiftAxle,
     ) -> SavedLoad {
         let mass_is_of_another_load = self.weighed.is_of_another_load();
-        let (scale, lift_axle) = (self.scale, LiftAxle::Down);
+        let scale = self.scale;
         SavedLoad { since_s, scale, mass_is_of_another_load, lift_axle, strength, trips_in_use }
     }
 

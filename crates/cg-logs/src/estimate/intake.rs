@@ -49,10 +49,14 @@ pub struct Identified {
     pub trailer_mass_is_known: bool,
     /// The trailer mass in the log in the last turn, kg, also if an option replaced it.
     pub logged_mass_kg: Option<f64>,
-    /// Where the lift axles were, and when they moved after a maneuver, s; the ratios are those since then.
-    pub lift_axle: (LiftAxle, Option<f64>),
-    /// What contradicts their position, and what is not known of it.
-    pub lift_doubt: [Option<&'static str>; 2],
+    /// Where the lift axles were.
+    pub lift_axle: LiftAxle,
+    /// When they moved after a maneuver, s; the ratios are those since then.
+    pub lift_moved_s: Option<f64>,
+    /// What contradicts their position.
+    pub lift_contradiction: Option<&'static str>,
+    /// What is not known of it.
+    pub lift_unknown: Option<&'static str>,
     /// When the load has changed in the log, s; the ratios are those of the last load.
     pub load_since_s: Option<f64>,
     /// DC ratios in the order of [`Channel::ALL`](cg_core::Channel::ALL), with the standard deviation due to noise.

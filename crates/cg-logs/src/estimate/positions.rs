@@ -7,7 +7,7 @@ use cg_core::{AlignSettings, Design};
 use cg_vehicle::belief::Belief;
 use cg_vehicle::design::design_with;
 use cg_vehicle::lift::LiftAxle;
-use cg_vehicle::{Variant, Vehicle, VehicleError};
+use cg_vehicle::{Vehicle, VehicleError};
 use serde::{Deserialize, Serialize};
 
 use super::options::EstimateOptions;
@@ -61,10 +61,7 @@ impl Truck {
         let truck = |vehicle: &Vehicle| -> Result<Self, VehicleError> {
             Ok(Self::new(vehicle, &design_with(vehicle, options.variant, belief)?, options))
         };
-        // The printed equations are those of one load on all axles.
-        let is_open = options.lift_axle.is_none() && options.variant == Variant::Complete;
-        let raised = if is_open { vehicle.raised()? } else { None };
-        let present = vehicle.clone().with_lift_axle(options.lift_axle.unwrap_or_default())?;
+        let (present, raised) = vehicle.in_positions(options.lift_axle, options.variant)?;
         let raised =
             raised.as_ref().map(truck).transpose().map_err(|error| {
                 VehicleError::Model(format!("with its lift axles raised: {error}"))

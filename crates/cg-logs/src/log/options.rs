@@ -6,7 +6,7 @@ use cg_core::signal::j1939::Compensation;
 use cg_core::{AlignSettings, Unit};
 
 use cg_vehicle::lift::LiftAxle;
-use cg_vehicle::{Vehicle, VehicleError};
+use cg_vehicle::{Variant, Vehicle, VehicleError};
 
 use crate::can::{Decoder, DeviceFilter, MappedSignal, Vdc2};
 
@@ -35,14 +35,14 @@ impl LogOptions {
     /// The same for the logs of a vehicle whose lift axles are in a given position, or where the log says.
     ///
     /// # Errors
-    /// As [`Vehicle::with_lift_axle`].
+    /// As [`Vehicle::in_positions`].
     pub fn of_vehicle(
         self,
         vehicle: &Vehicle,
         given: Option<LiftAxle>,
+        variant: Variant,
     ) -> Result<Self, VehicleError> {
-        let present = vehicle.clone().with_lift_axle(given.unwrap_or_default())?;
-        let raised = if given.is_none() { vehicle.raised()? } else { None };
+        let (present, raised) = vehicle.in_positions(given, variant)?;
         let raised = raised.map(|raised| raised.align_settings());
         Ok(Self { settings: Some(present.align_settings()), raised, ..self })
     }

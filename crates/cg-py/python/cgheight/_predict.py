@@ -36,6 +36,8 @@ def predict_roll(
     because the tractor rolls before the trailer's own acceleration changes; the prediction contains
     them.
 
+    A lift axle is where the vehicle has it, or where the log says at its end.
+
     Parameters
     ----------
     log

@@ -1,3 +1,4 @@
+mod lift;
 mod mass;
 mod signals;
 mod warning;
