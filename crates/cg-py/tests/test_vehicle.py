@@ -126,7 +126,7 @@ def test_a_lift_axle_is_where_the_log_or_the_vehicle_says(truck, tmp_path):
     frame.assign(roll_rad=True).to_parquet(tmp_path / "log.parquet")
     with pytest.raises(ValueError, match="`roll_rad`: contains BOOLEAN instead of numbers"):
         cgheight.estimate_log(tmp_path / "log.parquet", vehicle=lifting)
-    # Channels of different rasters: a scale shows the mass of the axles that are left, from a file and from a table.
+    # Channels of different rasters: the mass of a scale is that of the axles that are left.
     rolls = frame[["time_s", "roll_rad"]]
     apart = frame.drop(columns=["trailer_mass_kg", "roll_rad"])
     apart = apart.assign(trailer_axle_load_kg=9e3, time_s=frame["time_s"] + 0.002)
