@@ -16,20 +16,22 @@ LOGS := fixtures/logs
 SUDO := $(shell [ "$$(id -u)" = 0 ] || echo sudo)
 
 .PHONY: test tools packages browser fmt lint package rust rust-build rust-statistics docs \
-  firmware firmware-tools firmware-budgets cg guest guest-tools venv python notebook bench-short \
+  firmware firmware-tools firmware-budgets cg guest guest-image guest-tools venv python notebook bench-short \
   dist dist-clean dist-crates dist-program dist-arm dist-windows dist-deb dist-python dist-c dist-firmware semver deny msrv \
   windows arm armhf macos deb port-tools arm-tools armhf-tools \
   fuzz fuzz-tools mutants mutants-short mutants-decisions mutants-tool soak rollover-table bench demo clean
 
 # The program, the Python package and the tests are one build, that of the dev profile, and each part of it is made once. The
 # tests of one part run while another part is built. Cargo builds in one folder at a time, so what can be built beside that has
-# a folder of its own. Packages are installed beside the first build. The guest has to keep up with a bus and runs alone.
+# a folder of its own. Packages are installed beside the first build. The guest has to keep up with a bus, of which half of the
+# machine is enough, so the longest statistics run beside it, and yield to it.
 test: tools fmt
 	$(MAKE) --jobs=4 --output-sync=target $(PARTS)
 	@echo "all checks passed"
 
 # Those that the others need come first, then the longest ones.
-PARTS := packages cg venv firmware armhf rust-build rust-statistics rust python windows lint bench-short docs deb package guest
+PARTS := packages cg venv firmware armhf rust-build rust python windows lint bench-short docs deb package guest-image $(LAST)
+LAST := guest rust-statistics
 
 # What the parts install, one after the other, because apt cannot be called twice at a time.
 packages: tools
@@ -64,19 +66,20 @@ $(TOOLS):
 package:
 	cargo package --quiet --no-verify $(if $(CI),,--allow-dirty)
 
-# Unit, property, Monte-Carlo and command-line tests, and every example in the documentation. Those of cg-thesis and cg-cli,
-# which take half of the time, run beside the others.
+# Unit, property, Monte-Carlo and command-line tests, and every example in the documentation, without those of
+# `make rust-statistics`.
 rust: rust-build firmware-tools
 	cargo test --workspace --no-fail-fast --lib --bins --examples $(addprefix --test ,$(filter-out $(STATISTICS),$(TESTS)))
 	cargo test --workspace --no-fail-fast --doc
 
-rust-statistics: rust-build
-	cargo test --workspace --no-fail-fast $(addprefix --test ,$(STATISTICS))
+# The longest statistics.
+rust-statistics: rust-build | $(filter-out $(LAST),$(MAKECMDGOALS))
+	nice -n 19 cargo test --workspace --no-fail-fast $(addprefix --test ,$(STATISTICS))
 
 rust-build: cg
 	cargo test --workspace --no-run
 
-STATISTICS := thesis cli
+STATISTICS := thesis
 TESTS := $(shell sed -n '/^\[\[test/ { n; s/^name = "\(.*\)"/\1/p }' crates/*/Cargo.toml)
 
 docs:
@@ -154,8 +157,11 @@ armhf-tools:
 	  /usr/arm-linux-gnueabihf/lib/crt1.o:libc6-dev-armhf-cross,--no-install-recommends)
 
 # `cg run` on real SocketCAN: a kernel with vcan in QEMU replays a drive and loads the bus, for a minute in `make bench`.
-guest: venv cg | $(filter-out guest,$(MAKECMDGOALS))
-	CG_LOAD_SECONDS=20 guest/run.sh target/debug/cg $(VENV)
+guest: guest-image | $(filter-out $(LAST),$(MAKECMDGOALS))
+	guest/run.sh
+
+guest-image: venv cg guest-tools
+	CG_LOAD_SECONDS=20 guest/image.sh target/debug/cg $(VENV)
 
 guest-tools:
 	guest/fetch.sh

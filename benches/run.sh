@@ -7,7 +7,8 @@ raw=$(mktemp)
 trap 'rm -f "$raw" "$raw.python" "$raw.guest"' EXIT
 cargo bench --profile dist --package cg-bench | tee "$raw"
 cargo build --profile dist --package cg-cli
-guest/run.sh target/dist/cg .venv | grep '^guest: ' > "$raw.guest"
+guest/image.sh target/dist/cg .venv
+guest/run.sh | grep '^guest: ' > "$raw.guest"
 OPENBLAS_NUM_THREADS=1 POLARS_MAX_THREADS=1 .venv/bin/python benches/python/logs.py > "$raw.python"
 CG=$PWD/target/dist/cg .venv/bin/python benches/python/spark_trips.py >> "$raw.python"
 CG=$PWD/target/dist/cg .venv/bin/python benches/python/live_clients.py >> "$raw.python"
