@@ -44,7 +44,7 @@ fn json(answers: &[Answer]) -> anyhow::Result<()> {
 }
 
 /// The columns of the CSV output.
-const COLUMNS: [&str; 28] = [
+const COLUMNS: [&str; 29] = [
     "log",
     "status",
     "height_m",
@@ -73,6 +73,7 @@ const COLUMNS: [&str; 28] = [
     "tractor_height_sd_m",
     "static_rollover_threshold_ci95_low_g",
     "static_rollover_threshold_ci95_high_g",
+    "lift_axle",
 ];
 
 fn csv(answers: &[Answer]) -> anyhow::Result<()> {
@@ -110,6 +111,7 @@ fn csv(answers: &[Answer]) -> anyhow::Result<()> {
         for end in 0..2 {
             record.push(number(e.static_rollover_threshold_ci95_g.map(|interval| interval[end])));
         }
+        record.push(e.lift_axle.map_or_else(String::new, |position| position.to_string()));
         out.write_record(record)?;
     }
     out.flush()?;

@@ -63,6 +63,7 @@ pub(crate) fn estimate<'py>(py: Python<'py>, answer: &LogEstimate) -> PyResult<B
     fields.set_item("channel", answer.channel.as_deref())?;
     fields.set_item("speed_mps", answer.speed_mps)?;
     fields.set_item("trailer_mass_kg", answer.trailer_mass_kg)?;
+    fields.set_item("lift_axle", answer.lift_axle.map(Word::word))?;
     fields.set_item("snr_db", answer.snr_db)?;
     fields.set_item("fit_percent", answer.fit_percent)?;
     fields.set_item("static_rollover_threshold_g", answer.static_rollover_threshold_g)?;

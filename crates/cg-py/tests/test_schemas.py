@@ -51,6 +51,14 @@ def joined(path: Path, logs: list[Path]) -> Path:
     return path
 
 
+def lifting(folder: Path) -> Path:
+    """Write the truck with a lift axle."""
+    truck = folder / "lifting.toml"
+    axle = "[[trailer.axle]]\n"
+    truck.write_text(TRUCK.read_text().replace(axle, f"{axle}lift_m = 0.1\n", 1))
+    return truck
+
+
 @pytest.fixture(scope="module")
 def events(tmp_path_factory) -> list[dict]:
     """Return the events of trips, of a change of the load, of chassis sensors, and of faults."""
@@ -68,6 +76,7 @@ def events(tmp_path_factory) -> list[dict]:
     simulate = ["simulate", "--vehicle", EURO, "--maneuver", "drive", "--duration-s", "60"]
     lines(*simulate, "-o", chassis)
     found += lines("run", "--vehicle", EURO, "--candump", chassis, codes=(0, 1))
+    found += lines("run", "--vehicle", lifting(folder), "--csv", LADEN, codes=(0, 1))
     return found + lines("run", "--vehicle", EURO, "--csv", ROAD)
 
 
@@ -152,6 +161,7 @@ def test_the_schemas_refuse_other_keys_missing_keys_and_other_types(name, events
         VALIDATORS[name].validate(line)
         optional = {"page", "suspension", "tractor", "trailer_mass_scale", "known_height_m"}
         optional |= {"requested_speed_mps"} if kind == "status" else set()
+        optional |= {"lift_axle"} if kind in ("status", "maneuver") else set()
         wrong = [{**line, "other": 1}]
         needed = [key for key in line if key not in optional]
         wrong += [{k: v for k, v in line.items() if k != key} for key in needed]

@@ -115,6 +115,8 @@ def test_a_lift_axle_is_where_the_log_or_the_vehicle_says(truck, tmp_path):
     one = cgheight.estimate_log(log, vehicle=lifting)
     # Without noise, the plant's tires and dampers are what the model does not have.
     assert one.height_m == pytest.approx(1.8, rel=0.01)
+    assert one.lift_axle == "raised"
+    assert ">raised</td>" in one._repr_html_()
     assert not any("lift axle" in message for message in one.messages)
     # As pandas writes and stores true and false.
     frame = pd.DataFrame({**log, "lift_axle_raised": True})
@@ -138,7 +140,11 @@ def test_a_lift_axle_is_where_the_log_or_the_vehicle_says(truck, tmp_path):
     assert len(masses_kg) == 1
     assert masses_kg != {cgheight.estimate_log(down, vehicle=lifting).trailer_mass_kg}
     del log["lift_axle_raised"]
-    assert cgheight.estimate_log(log, vehicle=raised).height_m == one.height_m
+    given = cgheight.estimate_log(log, vehicle=raised)
+    assert (given.height_m, given.lift_axle) == (one.height_m, "raised")
+    without = cgheight.estimate_log(log, vehicle=truck)
+    assert without.lift_axle is None
+    assert "lift axle" not in without._repr_html_()
     # A prediction follows the log, too: the signs and sizes are those of the measured turn.
     raised_log = {**log, "lift_axle_raised": np.ones(len(log["time_s"]))}
     peak = max(cgheight.predict_roll(raised_log, vehicle=lifting, height_m=1.8))
@@ -146,6 +152,7 @@ def test_a_lift_axle_is_where_the_log_or_the_vehicle_says(truck, tmp_path):
     assert peak > 1.12 * max(cgheight.predict_roll(log, vehicle=lifting, height_m=1.8))
     unknown = cgheight.estimate_log(log, vehicle=lifting)
     assert unknown.height_m > 1.12 * 1.8
+    assert unknown.lift_axle == "down"
     assert any("or give vehicle.with_lift_axle" in message for message in unknown.messages)
     empty_log = cgheight.simulate(raised, empty).signals
     calibration = cgheight.calibrate(lifting, [(empty_log, "empty")], tmp_path / "c.toml")

@@ -7,6 +7,7 @@ use std::io;
 
 use cg_core::{Channel, Combined, Design, Maneuver, Measured, Reject};
 use cg_logs::estimate::{ManeuverEstimate, Method, Verdict, interval_95, threshold_g};
+use cg_vehicle::lift::LiftAxle;
 use cg_vehicle::scales::Scale;
 use serde::Serialize;
 
@@ -116,6 +117,9 @@ pub(crate) struct Result {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) trailer_mass_scale: Option<Scale>,
     pub(crate) trailer_mass_sd_kg: f64,
+    /// Where the lift axles are, of a trailer that has any.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) lift_axle: Option<LiftAxle>,
     pub(crate) static_rollover_threshold_g: Option<f64>,
     pub(crate) static_rollover_threshold_ci95_g: Option<[f64; 2]>,
     /// Share of the variance of the height that the unknown bank of the road makes.

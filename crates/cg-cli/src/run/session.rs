@@ -291,7 +291,8 @@ impl<W: Write> Session<W> {
         self.doubt_kept_mass(maneuver)?;
         let before = self.known.status;
         self.update(maneuver.trailer_mass_kg);
-        let line = ManeuverLine::new(maneuver, self.known.clone(), self.offset_s);
+        let result = Known { lift_axle: self.lift.of_truck(), ..self.known.clone() };
+        let line = ManeuverLine::new(maneuver, result, self.offset_s);
         self.write_event(&Event::Maneuver(Box::new(line)))?;
         if let Some(page) = &self.outputs.page {
             let times_s = [self.time_s(self.now_us), self.offset_s];
@@ -374,6 +375,7 @@ impl<W: Write> Session<W> {
                     trailer_mass_kg: mass_kg
                         .unwrap_or_else(|| self.estimator.memory().trailer_mass_kg),
                     trailer_mass_source: self.mass_source,
+                    lift_axle: self.lift.of_truck(),
                     ..self.known.clone()
                 },
             ),

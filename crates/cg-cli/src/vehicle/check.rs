@@ -35,12 +35,39 @@ struct Loaded {
     threshold_g: f64,
 }
 
+impl Loaded {
+    fn new(
+        name: &'static str,
+        load: Load,
+        vehicle: &Vehicle,
+        speed_mps: f64,
+    ) -> Result<Self, VehicleError> {
+        load.check()?;
+        let balance = static_balance(vehicle, load)?;
+        let threshold_g = steady_turn_threshold_g(vehicle, load, speed_mps)?;
+        Ok(Self { name, load, balance, threshold_g })
+    }
+
+    /// With the axles of the file that are raised, which carry nothing.
+    fn with_raised_axles(mut self, vehicle: &Vehicle) -> Self {
+        for (i, axle) in vehicle.trailer.axle.iter().enumerate() {
+            if axle.lift_m.is_some() {
+                self.balance.axle_load_n.insert(vehicle.tractor.axle.len() + i, 0.0);
+            }
+        }
+        self
+    }
+}
+
 /// Everything that the command prints.
 struct Report {
     vehicle: Vehicle,
     findings: Vec<Finding>,
     speed_mps: f64,
+    /// Empty and laden.
     loads: [Loaded; 2],
+    /// The same with the lift axles raised.
+    raised: Option<[Loaded; 2]>,
     influences: Influences,
     /// The share of the second roll sensor: that of the file, and the best one.
     second_roll: Option<[SecondShare; 2]>,
@@ -77,18 +104,24 @@ fn report(
     let speed_mps = arguments.speed_mps.unwrap_or(vehicle.nominal_speed_mps);
     let laden = arguments.load.load(&vehicle);
     let empty = vehicle.empty_load();
-    let loaded = |name, load: Load| -> Result<Loaded, VehicleError> {
-        load.check()?;
-        let balance = static_balance(&vehicle, load)?;
-        let threshold_g = steady_turn_threshold_g(&vehicle, load, speed_mps)?;
-        Ok(Loaded { name, load, balance, threshold_g })
-    };
-    let loads = [loaded("empty", empty)?, loaded("laden", laden)?];
+    let loads = [
+        Loaded::new("empty", empty, &vehicle, speed_mps)?,
+        Loaded::new("laden", laden, &vehicle, speed_mps)?,
+    ];
     // What every estimate needs.
     design(&vehicle, Variant::Complete)?;
-    if let Some(raised) = vehicle.raised()? {
-        design(&raised, Variant::Complete)?;
-    }
+    let raised = match vehicle.raised()? {
+        Some(raised) => {
+            design(&raised, Variant::Complete)?;
+            let [empty, laden] = [raised.empty_load(), arguments.load.load(&raised)];
+            let loads = [
+                Loaded::new("empty_raised", empty, &raised, speed_mps)?,
+                Loaded::new("laden_raised", laden, &raised, speed_mps)?,
+            ];
+            Some(loads.map(|loaded| loaded.with_raised_axles(&vehicle)))
+        }
+        None => None,
+    };
     let influences = influences(&vehicle, &Belief::prior(&vehicle), speed_mps, laden)?;
     let share = vehicle.sensors.roll.second_share.unwrap_or(0.5);
     let second_roll = match SecondShare::best(&vehicle)? {
@@ -96,7 +129,14 @@ fn report(
         None => None,
     };
     let tyres = slopes(&vehicle, &loads[1].balance);
-    Ok(Report { vehicle, findings, speed_mps, loads, influences, second_roll, tyres })
+    Ok(Report { vehicle, findings, speed_mps, loads, raised, influences, second_roll, tyres })
+}
+
+impl Report {
+    /// Every load, in the order of the columns.
+    fn all_loads(&self) -> impl Iterator<Item = &Loaded> {
+        self.loads.iter().chain(self.raised.iter().flatten())
+    }
 }
 
 fn slopes(vehicle: &Vehicle, laden: &StaticBalance) -> Vec<Slopes> {
@@ -161,7 +201,7 @@ fn describe(report: &Report) -> Value {
             })
         })
         .collect();
-    for loaded in &report.loads {
+    for loaded in report.all_loads() {
         let axles = loaded.balance.axle_load_n.iter().map(|n| kg(*n)).collect::<Vec<_>>();
         object[loaded.name] = json!({
             "trailer_mass_kg": loaded.load.trailer_mass_kg,
@@ -189,14 +229,14 @@ fn print(out: &mut impl Write, report: &Report) -> std::io::Result<()> {
     for one in Assumption::of(&report.vehicle) {
         writeln!(out, "Note on {}: {}", one.key, one.note)?;
     }
-    let [empty, laden] = &report.loads;
+    let [_, laden] = &report.loads;
     writeln!(
         out,
         "Laden: trailer {:.0} kg, c.g. height {:.3} m; both at {:.2} m/s\n\n{}",
         laden.load.trailer_mass_kg,
         laden.load.cg_height_m,
         report.speed_mps,
-        loads(&report.vehicle, empty, laden).trim_fmt()
+        loads(report).trim_fmt()
     )?;
     writeln!(
         out,
@@ -256,10 +296,11 @@ fn plain(header: Vec<&str>, rows: impl IntoIterator<Item = Vec<String>>) -> Tabl
     table
 }
 
-fn loads(vehicle: &Vehicle, empty: &Loaded, laden: &Loaded) -> Table {
+fn loads(report: &Report) -> Table {
+    let vehicle = &report.vehicle;
     let tons = |load_n: f64| format!("{:.2} t", load_n / vehicle.gravity_mps2 / 1e3);
     let row = |name: &str, value: &dyn Fn(&Loaded) -> String| {
-        vec![name.to_owned(), value(empty), value(laden)]
+        std::iter::once(name.to_owned()).chain(report.all_loads().map(value)).collect()
     };
     let mut rows = Vec::new();
     let tractor = vehicle.tractor.axle.len();
@@ -277,7 +318,11 @@ fn loads(vehicle: &Vehicle, empty: &Loaded, laden: &Loaded) -> Table {
         format!("{:.2} m", loaded.load.cg_height_m)
     }));
     rows.push(row("rollover threshold", &|loaded| format!("{:.2} g", loaded.threshold_g)));
-    plain(vec!["", "empty", "laden"], rows)
+    let mut header = vec!["", "empty", "laden"];
+    if report.raised.is_some() {
+        header.extend(["empty, raised", "laden, raised"]);
+    }
+    plain(header, rows)
 }
 
 fn parameters(all: &Influences) -> Table {

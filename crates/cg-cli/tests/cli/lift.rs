@@ -90,8 +90,12 @@ fn a_log_says_where_the_lift_axle_is() {
         let answer = truck.estimate(&log, &[]);
         is_within_a_percent(height_m(&answer));
         assert!(holds(&answer, 1.8) && !says(&answer, "lift axle"), "{answer}");
+        assert_eq!(answer["lift_axle"], position);
         let live = lines(&truck.run(&log, &[]).done());
         is_within_a_percent(last_height(&live));
+        for kind in ["status", "maneuver"] {
+            assert_eq!(events(&live, kind).last().unwrap()["lift_axle"], position, "{kind}");
+        }
         assert_eq!(
             events(&live, "notice").iter().any(|one| one["subject"] == "lift_axle"),
             position == "raised"
@@ -103,6 +107,9 @@ fn a_log_says_where_the_lift_axle_is() {
         let silent = truck.scratch.file("silent.csv", without_last_column(&text));
         let told = truck.estimate(&silent, &given);
         assert_eq!(height_m(&told).to_bits(), height_m(&answer).to_bits());
+        assert_eq!(told["lift_axle"], position);
+        let csv = cg(&["estimate", &log, "--vehicle", &truck.truck, "--format", "csv"]).done().out;
+        assert!(csv.trim_end().ends_with(&format!(",{position}")), "{csv}");
         assert!(!says(&told, "lift axle"));
     }
 }
@@ -303,6 +310,9 @@ fn frames_say_where_the_lift_axle_is() {
         }
         assert_eq!(says(&answer, "nothing says whether it is raised"), bits == 3, "{answer}");
     }
+    // Of two, one would be ignored.
+    let twice = [&mapped[..], &["--signal", "lift_axle=LiftAxle1*1"]].concat();
+    estimate(&log, &file, &twice).refused(&["--signal lift_axle=LiftAxle1*1", "one signal"]);
 }
 
 /// A table with a row for each channel's time stamp: the roll angle here, all else two milliseconds later.
@@ -471,4 +481,27 @@ fn an_unknown_position_is_neither_learned_nor_calibrated_silently() {
     assert!(calibrate(&silent, &[]).done().out.contains("nothing says whether it is raised"));
     calibrate(&empty, &["--lift-axle", "down"])
         .refused(&["empty.csv", "was given as down, but the log says"]);
+}
+
+/// Nothing gets lighter: what the raised axle carried is on the other axles.
+#[test]
+fn the_check_has_the_loads_with_the_axle_raised() {
+    let truck = Lifting::new();
+    let check = ["vehicle", "check", &truck.truck, "--trailer-mass-kg", "16000", "--height-m", "1.8"];
+    let answer = cg(&[&check[..], &["--format", "json"]].concat()).done().answer();
+    for load in ["empty", "laden"] {
+        let of = |name: &str| answer[name]["axle_load_kg"].as_array().unwrap().clone();
+        let kg = |name: &str| of(name).iter().map(|one| one.as_f64().unwrap()).collect::<Vec<_>>();
+        let (down, raised) = (kg(load), kg(&format!("{load}_raised")));
+        let sum = |loads_kg: &[f64]| loads_kg.iter().sum::<f64>();
+        assert!((sum(&raised) / sum(&down) - 1.0).abs() < 1e-9, "{raised:?} {down:?}");
+        // The first of the last three is the lift axle.
+        let lifted = down.len() - 3;
+        assert!(down[lifted] > 0.0 && raised[lifted].to_bits() == 0.0_f64.to_bits(), "{raised:?}");
+        assert!(raised[lifted + 1] > 1.2 * down[lifted + 1], "{raised:?} {down:?}");
+    }
+    let table = cg(&check).done().out;
+    assert!(table.contains("empty, raised") && table.contains("laden, raised"), "{table}");
+    let without = cg(&["vehicle", "check", &fixture("vehicles/euro.toml")]).done().out;
+    assert!(!without.contains("raised"), "{without}");
 }

@@ -6,13 +6,14 @@ use serde_json::Value;
 
 use crate::common::{Run, Scratch, baseline, cg, command, estimate, fixture, height_m, kraz};
 
-const KEYS: [&str; 19] = [
+const KEYS: [&str; 20] = [
     "channel",
     "channels",
     "fit_percent",
     "height_ci95_m",
     "height_m",
     "height_sd_m",
+    "lift_axle",
     "log",
     "maneuvers",
     "messages",
@@ -128,7 +129,7 @@ fn csv_has_one_row_of_the_same_numbers_for_each_log() {
     let mut reader = csv::Reader::from_reader(text.as_bytes());
     let header = reader.headers().unwrap().clone();
     let rows: Vec<_> = reader.records().map(Result::unwrap).collect();
-    assert_eq!((rows.len(), answers.len(), header.len()), (logs.len(), logs.len(), 28));
+    assert_eq!((rows.len(), answers.len(), header.len()), (logs.len(), logs.len(), 29));
     for ((row, answer), log) in rows.iter().zip(&answers).zip(&logs) {
         assert_eq!(&row[0], log.as_str());
         for (column, cell) in header.iter().zip(row) {

@@ -58,6 +58,11 @@ impl MappedSignal {
             file: file.to_owned(),
             message: error.to_string(),
         })?;
+        if let Some(map) = maps.iter().filter(|map| map.measures == Mapped::LiftAxle).nth(1) {
+            let message = "the position of the lift axles is one signal, and another one is given for it, too: lift axles that are \
+                           raised one by one need a vehicle file for each position, without lift_m";
+            return Err(DbcError::Map { map: map.text.clone(), message: message.to_owned() });
+        }
         maps.iter().map(|map| Self::find(file, &dbc, map)).collect()
     }
 

@@ -1,6 +1,7 @@
 //! The result for one log, as it is printed.
 
 use cg_core::{Maneuver, Outcome};
+use cg_vehicle::lift::LiftAxle;
 use serde::Serialize;
 
 use super::options::Method;
@@ -48,6 +49,8 @@ pub struct LogEstimate {
     pub speed_mps: Option<f64>,
     /// Trailer mass used, kg.
     pub trailer_mass_kg: f64,
+    /// Where the lift axles were, of a trailer that has any.
+    pub lift_axle: Option<LiftAxle>,
     /// Signal-to-noise ratio of the best maneuver, dB.
     pub snr_db: Option<f64>,
     /// Fit of the best maneuver, %.

@@ -321,6 +321,7 @@ impl LogEstimator {
             channel: channel.map(|channel| channel.to_string()),
             speed_mps: None,
             trailer_mass_kg: self.turns_mass_kg(),
+            lift_axle: self.lift.of_truck(),
             snr_db: None,
             fit_percent: None,
             static_rollover_threshold_g: None,

@@ -100,6 +100,11 @@ impl Lift {
         self.position
     }
 
+    /// Where they are, of a truck that has any.
+    pub fn of_truck(&self) -> Option<LiftAxle> {
+        (self.is_given || self.other.is_some()).then_some(self.position)
+    }
+
     /// When they moved after maneuvers, s, and the number of these.
     pub fn moved(&self) -> Option<(f64, usize)> {
         self.moved

@@ -78,6 +78,7 @@ function detail(log) {
   }
   if (log.messages.length) cell.append(make("ul", {}, ...log.messages.map((text) => make("li", {}, text))));
   const facts = `Speed ${fixed(log.speed_mps, 1, " m/s")}, trailer ${fixed(log.trailer_mass_kg, 0, " kg")}, `
+    + (present(log.lift_axle) ? `lift axle ${log.lift_axle}, ` : "")
     + `channel ${log.channel || NONE}, method ${log.method}, signal-to-noise ratio ${fixed(log.snr_db, 1, " dB")}, fit ${fixed(log.fit_percent, 1, " %")}.`;
   cell.append(make("p", { class: "quiet" }, facts));
   const pair = make("div", { class: "pair" });

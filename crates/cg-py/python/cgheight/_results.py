@@ -99,6 +99,8 @@ class Estimate:
         Mean speed of the maneuvers, m/s.
     trailer_mass_kg : float
         Mass of the whole semitrailer that was used, kg.
+    lift_axle : {"down", "raised"} or None
+        Where the lift axles were; None if the trailer has none.
     snr_db, fit_percent : float or None
         Signal-to-noise ratio (dB) and fit (%) of the best maneuver.
     static_rollover_threshold_g : float or None
@@ -126,6 +128,7 @@ class Estimate:
     channel: Literal["steer", "lateral-acceleration", "suspension", "tractor", "combined"] | None
     speed_mps: float | None
     trailer_mass_kg: float
+    lift_axle: Literal["down", "raised"] | None
     snr_db: float | None
     fit_percent: float | None
     static_rollover_threshold_g: float | None
@@ -171,6 +174,7 @@ class Estimate:
                 ("channel", self.channel or "–"),
                 ("speed", _show.number(self.speed_mps, 1, "m/s")),
                 ("trailer mass", _show.number(self.trailer_mass_kg, 0, "kg")),
+                *([] if self.lift_axle is None else [("lift axle", self.lift_axle)]),
             ],
         )  # fmt: skip
         header = ["from", "to", "height", "± from noise", "SNR", "status"]
