@@ -23,15 +23,15 @@ SUDO := $(shell [ "$$(id -u)" = 0 ] || echo sudo)
 
 # The program, the Python package and the tests are one build, that of the dev profile, and each part of it is made once. The
 # tests of one part run while another part is built. Cargo builds in one folder at a time, so what can be built beside that has
-# a folder of its own. Packages are installed beside the first build. The guest has to keep up with a bus, of which half of the
-# machine is enough, so the longest statistics run beside it, and yield to it.
+# a folder of its own. Packages are installed beside the first build. The guest has to keep up with a bus, so only the tests in
+# Rust run beside it, and yield to it and to what is still built.
 test: tools fmt
 	$(MAKE) --jobs=4 --output-sync=target $(PARTS)
 	@echo "all checks passed"
 
 # Those that the others need come first, then the longest ones.
-PARTS := packages cg venv firmware armhf rust-build rust python windows lint bench-short docs deb package guest-image $(LAST)
-LAST := guest rust-statistics
+LAST := rust rust-statistics guest
+PARTS := packages cg venv firmware armhf rust-build $(LAST) python windows lint bench-short docs deb package guest-image
 
 # What the parts install, one after the other, because apt cannot be called twice at a time.
 packages: tools
@@ -69,16 +69,17 @@ package:
 # Unit, property, Monte-Carlo and command-line tests, and every example in the documentation, without those of
 # `make rust-statistics`.
 rust: rust-build firmware-tools
-	cargo test --workspace --no-fail-fast --lib --bins --examples $(addprefix --test ,$(filter-out $(STATISTICS),$(TESTS)))
-	cargo test --workspace --no-fail-fast --doc
+	$(YIELDING) cargo test --workspace --no-fail-fast --lib --bins --examples $(addprefix --test ,$(filter-out $(STATISTICS),$(TESTS)))
+	$(YIELDING) cargo test --workspace --no-fail-fast --doc
 
 # The longest statistics.
-rust-statistics: rust-build | $(filter-out $(LAST),$(MAKECMDGOALS))
-	nice -n 19 cargo test --workspace --no-fail-fast $(addprefix --test ,$(STATISTICS))
+rust-statistics: rust-build
+	$(YIELDING) cargo test --workspace --no-fail-fast $(addprefix --test ,$(STATISTICS))
 
 rust-build: cg
 	cargo test --workspace --no-run
 
+YIELDING := nice -n 19
 STATISTICS := thesis
 TESTS := $(shell sed -n '/^\[\[test/ { n; s/^name = "\(.*\)"/\1/p }' crates/*/Cargo.toml)
 
@@ -101,12 +102,9 @@ firmware-tools:
 	  || { $(SUDO) apt-get update && $(SUDO) apt-get install --yes --no-install-recommends \
 	  qemu-system-arm gcc-arm-none-eabi libnewlib-arm-none-eabi; }
 
-# The program as the tests have it, and the library that `cg fmu` packs. No library must be left to compile for the Python
-# package, see the end of the dependencies in crates/cg-py/Cargo.toml. (PyO3 is compiled again when maturin has set its
-# environment.)
+# The program as the tests have it, and the library that `cg fmu` packs.
 cg:
 	cargo build --workspace --bin cg --lib
-	@! cargo build --package cg-py --lib 2>&1 | grep 'Compiling cg-logs'
 
 # Programs for other systems give the answers of the one for this machine (ports/compare.py). They are compiled without
 # optional features, whose libraries are half of the code and have nothing to do with the answers, and with less
@@ -166,7 +164,8 @@ guest-image: venv cg guest-tools
 guest-tools:
 	guest/fetch.sh
 
-# The Python package in a fresh environment with every extra. `make venv PROFILE=release` builds it as users have it.
+# The Python package in a fresh environment with every extra, and its wheel: in another environment, PyO3 would be compiled again.
+# `make venv PROFILE=release` builds it as users have it.
 PROFILE := dev
 IN_VENV := VIRTUAL_ENV=$(CURDIR)/$(VENV) PATH=$(CURDIR)/$(VENV)/bin:$$PATH
 venv:
@@ -174,17 +173,20 @@ venv:
 	$(VENV)/bin/python -m pip install --quiet uv
 	$(IN_VENV) $(VENV)/bin/uv pip install --quiet -r crates/cg-py/requirements-dev.txt
 	$(IN_VENV) $(VENV)/bin/maturin develop --uv --profile $(PROFILE) --extras all -m crates/cg-py/Cargo.toml
+	rm -rf target/wheels
+	$(IN_VENV) $(VENV)/bin/maturin build --quiet --profile $(PROFILE) --out target/wheels -m crates/cg-py/Cargo.toml
 
 # The Python package: tests (also of the HTML report and the live page in Chromium, of Spark, of the FMUs and of the notebooks), comparison of the stubs
-# with the binary, lint. Then a test of the wheel with only numpy installed.
+# with the binary, lint. Then a test of the wheel with only numpy installed. The libraries of the workspace must have been compiled
+# once for the Python package and `cg`, see the end of the dependencies in crates/cg-py/Cargo.toml; a clean folder shows it.
 python: venv cg browser
+	@[ -z "$(CI)" ] || [ "$$(ls target/debug/deps/libcg_logs-*.rlib | wc -l)" = 1 ] || { echo "cg-logs was compiled twice"; exit 1; }
 	CG=$(CURDIR)/target/debug/cg $(VENV)/bin/python -m pytest -q -c crates/cg-py/pyproject.toml crates/cg-py/tests
 	$(VENV)/bin/python -m mypy --config-file crates/cg-py/pyproject.toml crates/cg-py/python/cgheight
 	$(VENV)/bin/python -m mypy.stubtest cgheight._native --mypy-config-file crates/cg-py/pyproject.toml
 	$(VENV)/bin/ruff check --config crates/cg-py/pyproject.toml crates/cg-py benches/python
 	$(VENV)/bin/ruff format --config crates/cg-py/pyproject.toml --check crates/cg-py benches/python
-	rm -rf $(VENV)/clean target/wheels && $(PYTHON) -m venv $(VENV)/clean
-	$(VENV)/bin/maturin build --quiet --profile $(PROFILE) --out target/wheels -m crates/cg-py/Cargo.toml
+	rm -rf $(VENV)/clean && $(PYTHON) -m venv $(VENV)/clean
 	$(VENV)/clean/bin/python -m pip install --quiet target/wheels/*.whl
 	$(VENV)/clean/bin/python -m doctest crates/cg-py/python/cgheight/__init__.py
 

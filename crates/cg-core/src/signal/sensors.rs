@@ -61,6 +61,7 @@ impl<T: Real> AlignSettings<T> {
 
     /// One sample of all signals at a time. `at` returns the value of a quantity at this time, NaN if
     /// it is absent. This is the only place where the values of sensors become those of a sample.
+    #[inline]
     pub fn sample(&self, time_us: u64, at: impl Fn(Quantity) -> T) -> Sample<T> {
         let or = |first: T, second: T| if first.present() { first } else { second };
         let roll_of_levels = |per_m: Option<T>, left: Quantity, right: Quantity| {
@@ -120,25 +121,31 @@ impl<T: Real> AlignSettings<T> {
 
     /// The [trailer mass](Self::trailer_mass_kg), kg, with the quantity from which it follows, if there
     /// is one. Of the pressures on both sides of the tractor the left one is named.
+    #[inline]
     pub fn weighed(&self, at: impl Fn(Quantity) -> T) -> Option<(Quantity, T)> {
-        let (left, right) = (at(Quantity::DrivePressureLeft), at(Quantity::DrivePressureRight));
-        let mean = match (left.present(), right.present()) {
-            (true, true) => T::of(0.5) * (left + right),
-            (true, false) => left,
-            _ => right,
-        };
-        for (quantity, value) in [
-            (Quantity::TrailerMass, at(Quantity::TrailerMass)),
-            (Quantity::TrailerAxleLoad, at(Quantity::TrailerAxleLoad)),
-            (Quantity::TrailerSuspensionPressure, at(Quantity::TrailerSuspensionPressure)),
-            (Quantity::DrivePressureLeft, mean),
-        ] {
+        let by = |quantity: Quantity, value: T| {
             let mass_kg = self.mass_kg(quantity, value);
-            if quantity.plausible(value) && mass_kg.present() && self.is_possible(mass_kg) {
-                return Some((quantity, mass_kg));
-            }
-        }
-        None
+            let is_good =
+                quantity.plausible(value) && mass_kg.present() && self.is_possible(mass_kg);
+            is_good.then_some((quantity, mass_kg))
+        };
+        // Most have the first one.
+        by(Quantity::TrailerMass, at(Quantity::TrailerMass))
+            .or_else(|| by(Quantity::TrailerAxleLoad, at(Quantity::TrailerAxleLoad)))
+            .or_else(|| {
+                let quantity = Quantity::TrailerSuspensionPressure;
+                by(quantity, at(quantity))
+            })
+            .or_else(|| {
+                let (left, right) =
+                    (at(Quantity::DrivePressureLeft), at(Quantity::DrivePressureRight));
+                let mean = match (left.present(), right.present()) {
+                    (true, true) => T::of(0.5) * (left + right),
+                    (true, false) => left,
+                    _ => right,
+                };
+                by(Quantity::DrivePressureLeft, mean)
+            })
     }
 
     /// The trailer mass that follows from a value of this quantity, kg; absent if none follows.

@@ -101,7 +101,9 @@ impl Values {
 
     fn push(&mut self, value: f64, far: f64, is_moving: bool) {
         if !value.is_finite() {
-            self.interrupt();
+            if self.before.is_some() {
+                self.interrupt();
+            }
             return;
         }
         // Sensors are set to zero at standstill.

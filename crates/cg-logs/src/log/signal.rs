@@ -150,6 +150,7 @@ impl LogRow {
 
     /// The sample for the estimator. Steer angle, suspension roll and mass come from whichever signal
     /// measures them.
+    #[inline]
     pub fn sample(&self, time_us: u64, settings: &AlignSettings<f64>) -> Sample<f64> {
         let mut sample = settings.sample(time_us, |quantity| self.get(Signal::from(quantity)));
         if sample.suspension_roll_rad.is_nan() {
