@@ -482,26 +482,3 @@ fn an_unknown_position_is_neither_learned_nor_calibrated_silently() {
     calibrate(&empty, &["--lift-axle", "down"])
         .refused(&["empty.csv", "was given as down, but the log says"]);
 }
-
-/// Nothing gets lighter: what the raised axle carried is on the other axles.
-#[test]
-fn the_check_has_the_loads_with_the_axle_raised() {
-    let truck = Lifting::new();
-    let check = ["vehicle", "check", &truck.truck, "--trailer-mass-kg", "16000", "--height-m", "1.8"];
-    let answer = cg(&[&check[..], &["--format", "json"]].concat()).done().answer();
-    for load in ["empty", "laden"] {
-        let of = |name: &str| answer[name]["axle_load_kg"].as_array().unwrap().clone();
-        let kg = |name: &str| of(name).iter().map(|one| one.as_f64().unwrap()).collect::<Vec<_>>();
-        let (down, raised) = (kg(load), kg(&format!("{load}_raised")));
-        let sum = |loads_kg: &[f64]| loads_kg.iter().sum::<f64>();
-        assert!((sum(&raised) / sum(&down) - 1.0).abs() < 1e-9, "{raised:?} {down:?}");
-        // The first of the last three is the lift axle.
-        let lifted = down.len() - 3;
-        assert!(down[lifted] > 0.0 && raised[lifted].to_bits() == 0.0_f64.to_bits(), "{raised:?}");
-        assert!(raised[lifted + 1] > 1.2 * down[lifted + 1], "{raised:?} {down:?}");
-    }
-    let table = cg(&check).done().out;
-    assert!(table.contains("empty, raised") && table.contains("laden, raised"), "{table}");
-    let without = cg(&["vehicle", "check", &fixture("vehicles/euro.toml")]).done().out;
-    assert!(!without.contains("raised"), "{without}");
-}

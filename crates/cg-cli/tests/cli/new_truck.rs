@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 
-use crate::common::{Run, Scratch, cg, command, estimate, height_m, kraz};
+use crate::common::{Run, Scratch, cg, command, estimate, fixture, height_m, kraz};
 
 const KINDS: [&str; 3] = ["4x2-3axle", "6x4-2axle", "6x4-3axle"];
 
@@ -101,6 +101,31 @@ fn the_check_has_loads_thresholds_and_the_parameters_that_matter_most() {
     for part in ["no findings", "tractor axle 1, steered", "rollover threshold", "matter most"] {
         assert!(run.out.contains(part), "{part}");
     }
+}
+
+/// Nothing gets lighter: what the raised axle carried is on the other axles.
+#[test]
+fn the_check_has_the_loads_with_the_axle_raised() {
+    let scratch = Scratch::new();
+    let text = std::fs::read_to_string(fixture("vehicles/euro.toml")).unwrap();
+    let text = text.replacen("[[trailer.axle]]", "[[trailer.axle]]\nlift_m = 0.1", 1);
+    let truck = scratch.file("truck.toml", text);
+    let answer = check(&truck, &["--trailer-mass-kg", "16000", "--height-m", "1.8"]);
+    for load in ["empty", "laden"] {
+        let of = |name: &str| answer[name]["axle_load_kg"].as_array().unwrap().clone();
+        let kg = |name: &str| of(name).iter().map(|one| one.as_f64().unwrap()).collect::<Vec<_>>();
+        let (down, raised) = (kg(load), kg(&format!("{load}_raised")));
+        let sum = |loads_kg: &[f64]| loads_kg.iter().sum::<f64>();
+        assert!((sum(&raised) / sum(&down) - 1.0).abs() < 1e-9, "{raised:?} {down:?}");
+        // The first of the last three is the lift axle.
+        let lifted = down.len() - 3;
+        assert!(down[lifted] > 0.0 && raised[lifted].to_bits() == 0.0_f64.to_bits(), "{raised:?}");
+        assert!(raised[lifted + 1] > 1.2 * down[lifted + 1], "{raised:?} {down:?}");
+    }
+    let table = cg(&["vehicle", "check", &truck]).done().out;
+    assert!(table.contains("empty, raised") && table.contains("laden, raised"), "{table}");
+    let without = cg(&["vehicle", "check", &fixture("vehicles/euro.toml")]).done().out;
+    assert!(!without.contains("empty, raised"), "{without}");
 }
 
 /// The frame of kraz is rigid in its file, and its tires have slopes at zero slip; a template says nothing of frame

@@ -144,13 +144,14 @@ fn csv_has_one_row_of_the_same_numbers_for_each_log() {
             }
         }
     }
-    // Of the two logs with an answer every number is there, but the height that nobody has told.
+    // Of the two logs with an answer every number is there, but the height that nobody has told. The trailer has no lift axle.
     for row in [&rows[0], &rows[2]] {
         let empty = header.iter().zip(row).filter(|(_, cell)| cell.is_empty());
         let mut empty = empty.map(|(name, _)| name);
         let elsewhere = |name: &str| name.starts_with("suspension") || name.starts_with("tractor");
         assert!(
-            empty.all(|name| ["known_height_m", "messages"].contains(&name) || elsewhere(name)),
+            empty.all(|name| ["known_height_m", "messages", "lift_axle"].contains(&name)
+                || elsewhere(name)),
             "{row:?}"
         );
     }

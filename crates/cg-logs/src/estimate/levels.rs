@@ -145,13 +145,14 @@ pub(super) struct LevelCheck {
 
 impl LevelCheck {
     /// Takes the levels at one time, m; NaN without a value.
+    #[inline]
     pub(super) fn push(&mut self, level_m: impl Fn(Quantity) -> f64) {
         let [trailer, tractor] = [
             [Quantity::LevelLeft, Quantity::LevelRight],
             [Quantity::TractorLevelLeft, Quantity::TractorLevelRight],
         ];
         self.trailer.sides.push(trailer.map(&level_m));
-        self.tractor.sides.push(tractor.map(&level_m));
+        self.tractor.sides.push(tractor.map(level_m));
     }
 
     /// Ends a maneuver.

@@ -113,6 +113,7 @@ macro_rules! rows {
 
         /// Every quantity is a signal of a log.
         impl From<Quantity> for Signal {
+            #[inline]
             fn from(quantity: Quantity) -> Self {
                 match quantity { $(Quantity::$variant => Self::$variant),+ }
             }
