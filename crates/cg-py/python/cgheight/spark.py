@@ -40,6 +40,7 @@ _COLUMNS = {
     "channel": "string",
     "speed_mps": "double",
     "trailer_mass_kg": "double",
+    "lift_axle": "string",
     "snr_db": "double",
     "fit_percent": "double",
     "static_rollover_threshold_g": "double",
