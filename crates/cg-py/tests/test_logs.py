@@ -16,7 +16,8 @@ from conftest import FIXTURES, LOGS, ONE_TURN, read
 JSON_KEYS = [
     "status", "height_m", "height_sd_m", "height_ci95_m", "ratio", "ratio_sd", "method", "channel",
     "speed_mps", "trailer_mass_kg", "lift_axle", "snr_db", "fit_percent",
-    "static_rollover_threshold_g", "static_rollover_threshold_ci95_g", "road_share", "channels", "maneuvers", "messages",
+    "static_rollover_threshold_g", "static_rollover_threshold_ci95_g", "road_share",
+    "channels", "maneuvers", "messages",
 ]  # fmt: skip
 MANEUVER_KEYS = [
     "start_s", "end_s", "height_m", "height_sd_m", "ratio", "ratio_sd", "snr_db", "status",
