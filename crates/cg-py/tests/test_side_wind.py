@@ -1,0 +1,126 @@
+"""What a side wind does to heights, and to calibrations: the figures of docs/limits.md.
+
+The plant has no wind, so its roll is added to the simulated roll angle: that of a force on the side
+of the body whose moment about the roll axis is as great as that of a lateral acceleration. The path
+of the truck stays as it is, because the driver steers against the wind.
+``pytest -s`` prints the figures.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import cgheight
+from conftest import FIXTURES
+
+EMPTY_KG, EMPTY_M, UNSPRUNG_KG = 6318.0, 1.27, 2500.0
+LADEN_M, TEST_M = 1.9, 1.9
+# Side force on the trailer of a tractor with a box body over the dynamic pressure times 10 m², for
+# each unit of the sine of the angle at which the wind meets it.
+SIDE_FORCE = 0.75 * 5.0
+PRESSURE_HEIGHT_M, ROLL_CENTER_M = 2.4, 0.75
+GUSTS, GUST_S = 0.15, 3.0
+DIRECTIONS = 8
+
+
+def windy(log: dict, load: tuple[float, float], wind_mps: float, direction: int) -> dict:
+    """Add the roll by a wind from one of eight directions to a log of a load, kg and m."""
+    mass_kg, height_m = load
+    time_s, speed_mps = log["time_s"], log["speed_mps"]
+    step_s = float(np.median(np.diff(time_s)))
+    heading = np.cumsum(log["yaw_rate_radps"]) * step_s
+    from_rad = 2 * np.pi * direction / DIRECTIONS + 0.3 - heading
+    kept = np.exp(-step_s / GUST_S)
+    white = np.random.default_rng(direction).standard_normal(time_s.size)
+    gust = np.zeros(time_s.size)
+    for k in range(1, time_s.size):
+        gust[k] = kept * gust[k - 1] + np.sqrt(1 - kept**2) * white[k]
+    wind = wind_mps * (1 + GUSTS * gust)
+    ahead, aside = speed_mps + wind * np.cos(from_rad), wind * np.sin(from_rad)
+    force_n = 0.5 * 1.2 * 10.0 * SIDE_FORCE * np.hypot(ahead, aside) * aside
+    # What the roll angle is for each m/s², in this log.
+    slope = np.polyfit(log["lateral_acceleration_mps2"], log["roll_rad"], 1)[0]
+    arm = (PRESSURE_HEIGHT_M - ROLL_CENTER_M) / (height_m - ROLL_CENTER_M)
+    roll_rad = slope * arm * force_n / (mass_kg - UNSPRUNG_KG)
+    return {**log, "roll_rad": log["roll_rad"] + roll_rad}
+
+
+@pytest.fixture(scope="module")
+def truck() -> cgheight.Vehicle:
+    return cgheight.Vehicle.load(FIXTURES / "vehicles" / "euro.toml").on_road("flat")
+
+
+def drive(truck, maneuver: str, load: tuple[float, float], snr_db: float, seed: int) -> dict:
+    mass_kg, height_m = load
+    scenario = cgheight.Scenario(
+        maneuver,
+        plant="nonlinear",
+        trailer_mass_kg=mass_kg,
+        height_m=None if mass_kg == EMPTY_KG else height_m,
+        rate_hz=50.0,
+        duration_s=300.0 if maneuver == "drive" else 20.0,
+        sensors=cgheight.Sensors(snr_db=snr_db),
+        seed=seed,
+    )
+    return cgheight.simulate(truck, scenario).signals
+
+
+def judged(name: str, answers: list[cgheight.Estimate]) -> tuple[float, int, int]:
+    """Print and return the root mean square error, the heights and how many intervals hold."""
+    heights = [one for one in answers if one.height_m is not None]
+    errors = np.array([one.height_m / TEST_M - 1 for one in heights])
+    hold = sum(one.height_ci95_m[0] <= TEST_M <= one.height_ci95_m[1] for one in heights)
+    rms = float(np.sqrt(np.mean(errors**2)))
+    stated = float(np.mean([one.height_sd_m for one in heights])) / TEST_M
+    print(
+        f"{name}: {100 * rms:.1f} % rms, {100 * abs(errors).max():.1f} % at worst, "
+        f"{100 * stated:.1f} % stated; {hold} of {len(heights)} hold, {len(answers)} logs"
+    )
+    return rms, len(heights), hold
+
+
+def test_a_side_wind_is_in_long_drives_but_not_in_single_turns(truck, tmp_path):
+    empty, laden = (EMPTY_KG, EMPTY_M), (EMPTY_KG + 18e3, LADEN_M)
+    test = (EMPTY_KG + 12e3, TEST_M)
+    logs = {
+        kind: [drive(truck, kind, load, 35.0, k) for k, load in enumerate((empty, laden))]
+        for kind in ("rounded-step", "drive")
+    }
+    turn, trip = (drive(truck, kind, test, 30.0, 3) for kind in ("rounded-step", "drive"))
+
+    def calibrated(kind: str, wind_mps: float, direction: int) -> cgheight.Vehicle | None:
+        of_empty, of_laden = (
+            windy(log, load, wind_mps, direction)
+            for log, load in zip(logs[kind], (empty, laden), strict=True)
+        )
+        try:
+            runs = [(of_empty, "empty"), (of_laden, LADEN_M)]
+            return cgheight.calibrate(truck, runs, tmp_path / f"{kind}{wind_mps}{direction}.toml")
+        except ValueError:
+            return None  # the wind was told from the turns
+
+    still = calibrated("rounded-step", 0.0, 0)
+    found = {}
+    for name, log in (("turn", turn), ("trip", trip)):
+        for wind_mps in (0.0, 3.0, 5.0, 8.0):
+            some = range(DIRECTIONS if wind_mps else 1)
+            logs_of = [windy(log, test, wind_mps, direction) for direction in some]
+            answers = [cgheight.estimate_log(one, vehicle=still) for one in logs_of]
+            found[name, wind_mps] = judged(f"{name}, {wind_mps:.0f} m/s", answers)
+    for kind in logs:
+        for wind_mps in (3.0, 5.0):
+            trucks = [calibrated(kind, wind_mps, direction) for direction in range(DIRECTIONS)]
+            answers = [cgheight.estimate_log(trip, vehicle=one) for one in trucks if one]
+            name = f"calibrated on {kind}, {wind_mps:.0f} m/s"
+            found[kind, wind_mps] = judged(name, answers)
+    # Without wind both are right.
+    assert max(found[name, 0.0][0] for name in ("turn", "trip")) < 0.01
+    # A single turn says too little of the wind: this is a limit, and documented as one.
+    rms, heights, hold = found["turn", 5.0]
+    assert rms > 0.02
+    assert hold < heights
+    assert found["rounded-step", 5.0][0] > 0.015
+    # In a drive the wind comes from all sides: 95 % of sixteen are fifteen, less two for chance.
+    assert found["trip", 3.0][2] + found["trip", 5.0][2] >= 13
+    assert found["drive", 3.0][0] < 0.01
