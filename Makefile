@@ -76,7 +76,7 @@ rust: rust-build firmware-tools
 rust-statistics: rust-build
 	$(YIELDING) cargo test --workspace --no-fail-fast $(addprefix --test ,$(STATISTICS))
 
-rust-build: cg
+rust-build: cg | $(filter venv,$(MAKECMDGOALS))
 	cargo test --workspace --no-run
 
 YIELDING := nice -n 19
@@ -164,7 +164,8 @@ guest-image: venv cg guest-tools
 guest-tools:
 	guest/fetch.sh
 
-# The Python package in a fresh environment with every extra. `make venv PROFILE=release` builds it as users have it.
+# The Python package in a fresh environment with every extra, and its wheel. `make venv PROFILE=release` builds it as users have
+# it. Cargo compiles PyO3 again whenever its environment, which maturin sets, has been another one in between.
 PROFILE := dev
 IN_VENV := VIRTUAL_ENV=$(CURDIR)/$(VENV) PATH=$(CURDIR)/$(VENV)/bin:$$PATH
 venv:
@@ -172,10 +173,11 @@ venv:
 	$(VENV)/bin/python -m pip install --quiet uv
 	$(IN_VENV) $(VENV)/bin/uv pip install --quiet -r crates/cg-py/requirements-dev.txt
 	$(IN_VENV) $(VENV)/bin/maturin develop --uv --profile $(PROFILE) --extras all -m crates/cg-py/Cargo.toml
+	rm -rf target/wheels
+	$(IN_VENV) $(VENV)/bin/maturin build --quiet --profile $(PROFILE) --out target/wheels -m crates/cg-py/Cargo.toml
 
 # The Python package: tests (also of the HTML report and the live page in Chromium, of Spark, of the FMUs and of the notebooks), comparison of the stubs
-# with the binary, lint. Then a test of the wheel with only numpy installed, made in the same environment, in which PyO3 need not be
-# compiled again. The libraries of the workspace must have been compiled
+# with the binary, lint. Then a test of the wheel with only numpy installed. The libraries of the workspace must have been compiled
 # once for the Python package and `cg`, see the end of the dependencies in crates/cg-py/Cargo.toml; a clean folder shows it.
 python: venv cg browser
 	@[ -z "$(CI)" ] || [ "$$(ls target/debug/deps/libcg_logs-*.rlib | wc -l)" = 1 ] || { echo "cg-logs was compiled twice"; exit 1; }
@@ -184,8 +186,7 @@ python: venv cg browser
 	$(VENV)/bin/python -m mypy.stubtest cgheight._native --mypy-config-file crates/cg-py/pyproject.toml
 	$(VENV)/bin/ruff check --config crates/cg-py/pyproject.toml crates/cg-py benches/python
 	$(VENV)/bin/ruff format --config crates/cg-py/pyproject.toml --check crates/cg-py benches/python
-	rm -rf $(VENV)/clean target/wheels && $(PYTHON) -m venv $(VENV)/clean
-	$(IN_VENV) $(VENV)/bin/maturin build --quiet --profile $(PROFILE) --out target/wheels -m crates/cg-py/Cargo.toml
+	rm -rf $(VENV)/clean && $(PYTHON) -m venv $(VENV)/clean
 	$(VENV)/clean/bin/python -m pip install --quiet target/wheels/*.whl
 	$(VENV)/clean/bin/python -m doctest crates/cg-py/python/cgheight/__init__.py
 
