@@ -17,7 +17,7 @@ from conftest import FIXTURES
 EMPTY_KG, EMPTY_M, UNSPRUNG_KG = 6318.0, 1.27, 2500.0
 LADEN_M, TEST_M = 1.9, 1.9
 # Side force on the trailer of a tractor with a box body over the dynamic pressure times 10 m², for
-# each unit of the sine of the angle at which the wind meets it.
+# each unit of the sine of the angle at which the wind meets it: an assumption of the usual size.
 SIDE_FORCE = 0.75 * 5.0
 PRESSURE_HEIGHT_M, ROLL_CENTER_M = 2.4, 0.75
 GUSTS, GUST_S = 0.15, 3.0
