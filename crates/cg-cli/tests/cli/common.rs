@@ -136,6 +136,13 @@ impl Scratch {
         path
     }
 
+    /// Writes a vehicle of the fixtures whose first trailer axle can be raised by 10 cm, and returns its path.
+    pub(crate) fn lifting(&self, vehicle: &str) -> String {
+        let text = std::fs::read_to_string(fixture(&format!("vehicles/{vehicle}.toml"))).unwrap();
+        let text = text.replacen("[[trailer.axle]]", "[[trailer.axle]]\nlift_m = 0.1", 1);
+        self.file("truck.toml", text)
+    }
+
     /// Simulates a log of 20 s in this folder and returns its path.
     #[track_caller]
     pub(crate) fn simulate(&self, name: &str, vehicle: &str, more: &[&str]) -> String {

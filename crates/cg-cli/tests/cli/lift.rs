@@ -25,9 +25,7 @@ impl Lifting {
     /// The same of another vehicle.
     fn of(vehicle: &str) -> Self {
         let scratch = Scratch::new();
-        let text = std::fs::read_to_string(fixture(&format!("vehicles/{vehicle}.toml"))).unwrap();
-        let text = text.replacen("[[trailer.axle]]", "[[trailer.axle]]\nlift_m = 0.1", 1);
-        let truck = scratch.file("truck.toml", text);
+        let truck = scratch.lifting(vehicle);
         Self { scratch, truck }
     }
 

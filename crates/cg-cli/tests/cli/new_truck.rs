@@ -107,9 +107,7 @@ fn the_check_has_loads_thresholds_and_the_parameters_that_matter_most() {
 #[test]
 fn the_check_has_the_loads_with_the_axle_raised() {
     let scratch = Scratch::new();
-    let text = std::fs::read_to_string(fixture("vehicles/euro.toml")).unwrap();
-    let text = text.replacen("[[trailer.axle]]", "[[trailer.axle]]\nlift_m = 0.1", 1);
-    let truck = scratch.file("truck.toml", text);
+    let truck = scratch.lifting("euro");
     let answer = check(&truck, &["--trailer-mass-kg", "16000", "--height-m", "1.8"]);
     for load in ["empty", "laden"] {
         let of = |name: &str| answer[name]["axle_load_kg"].as_array().unwrap().clone();

@@ -123,29 +123,31 @@ impl<T: Real> AlignSettings<T> {
     /// is one. Of the pressures on both sides of the tractor the left one is named.
     #[inline]
     pub fn weighed(&self, at: impl Fn(Quantity) -> T) -> Option<(Quantity, T)> {
-        let by = |quantity: Quantity, value: T| {
-            let mass_kg = self.mass_kg(quantity, value);
-            let is_good =
-                quantity.plausible(value) && mass_kg.present() && self.is_possible(mass_kg);
-            is_good.then_some((quantity, mass_kg))
+        let drive_pressure = || {
+            let (left, right) = (at(Quantity::DrivePressureLeft), at(Quantity::DrivePressureRight));
+            match (left.present(), right.present()) {
+                (true, true) => T::of(0.5) * (left + right),
+                (true, false) => left,
+                _ => right,
+            }
         };
-        // Most have the first one.
-        by(Quantity::TrailerMass, at(Quantity::TrailerMass))
-            .or_else(|| by(Quantity::TrailerAxleLoad, at(Quantity::TrailerAxleLoad)))
-            .or_else(|| {
-                let quantity = Quantity::TrailerSuspensionPressure;
-                by(quantity, at(quantity))
-            })
-            .or_else(|| {
-                let (left, right) =
-                    (at(Quantity::DrivePressureLeft), at(Quantity::DrivePressureRight));
-                let mean = match (left.present(), right.present()) {
-                    (true, true) => T::of(0.5) * (left + right),
-                    (true, false) => left,
-                    _ => right,
-                };
-                by(Quantity::DrivePressureLeft, mean)
-            })
+        // Most samples have the first one, and the others are not asked for.
+        for quantity in [
+            Quantity::TrailerMass,
+            Quantity::TrailerAxleLoad,
+            Quantity::TrailerSuspensionPressure,
+            Quantity::DrivePressureLeft,
+        ] {
+            let value = match quantity {
+                Quantity::DrivePressureLeft => drive_pressure(),
+                _ => at(quantity),
+            };
+            let mass_kg = self.mass_kg(quantity, value);
+            if quantity.plausible(value) && mass_kg.present() && self.is_possible(mass_kg) {
+                return Some((quantity, mass_kg));
+            }
+        }
+        None
     }
 
     /// The trailer mass that follows from a value of this quantity, kg; absent if none follows.

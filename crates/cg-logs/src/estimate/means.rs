@@ -25,18 +25,6 @@ const QUANTITIES: [Quantity; COUNT] = [
     Quantity::YawRate,
 ];
 
-/// The least and the greatest value of each.
-const LIMITS: [[f64; 2]; COUNT] = {
-    let mut limits = [[0.0; 2]; COUNT];
-    let mut k = 0;
-    while k < COUNT {
-        let [least, greatest] = QUANTITIES[k].limits();
-        limits[k] = [least as f64, greatest as f64];
-        k += 1;
-    }
-    limits
-};
-
 /// The sum of some samples in which the same signals are present: those that are [plausible](Quantity::plausible).
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub(super) struct SampleSum {
@@ -72,10 +60,12 @@ impl SampleSum {
             sample.yaw_rate_radps,
         ];
         let mut kinds = 0;
-        for (k, (value, [least, greatest])) in signals.iter_mut().zip(LIMITS).enumerate() {
-            let is_plausible = *value >= least && *value <= greatest;
-            kinds |= u32::from(is_plausible) << k;
-            *value = if is_plausible { *value } else { f64::NAN };
+        for (k, (value, quantity)) in signals.iter_mut().zip(QUANTITIES).enumerate() {
+            if quantity.plausible(*value) {
+                kinds |= 1 << k;
+            } else {
+                *value = f64::NAN;
+            }
         }
         let roll_rad = if signals[0].is_nan() {
             Signals::of(&sample.checked(), known_mps, gravity_mps2).output(Output::Roll)

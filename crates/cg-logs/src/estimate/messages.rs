@@ -50,8 +50,9 @@ impl LogEstimator {
             Channel::ALL.into_iter().filter(|one| one.feels_bank() && !self.is_on_road());
         if let Some(drift) = of_roll.find_map(|channel| self.drift(channel)) {
             messages.push(format!(
-                "the roll sensor drifts by {drift:.1} degrees per minute; a constant drift was \
-                 removed from each maneuver"
+                "the roll angle drifts by {drift:.1} degrees per minute: its sensor does, or a side wind comes from another \
+                 side after a turn; a constant drift was removed from each maneuver, and what a wind does beyond that is not \
+                 in the interval"
             ));
         }
         if self.more_maneuvers > 0 {
