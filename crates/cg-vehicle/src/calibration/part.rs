@@ -106,7 +106,12 @@ const LATER: [&str; 3] =
 /// Checksum of the TOML of a value. Optional keys that the value does not have are not in it, and neither is
 /// [what the absence of a key means](LATER), so keys that a later version adds do not change it.
 fn sum(value: impl Serialize) -> Result<String, VehicleError> {
-    let text = toml::to_string(&BTreeMap::from([("value", value)]))
+    /// TOML needs a table around it.
+    #[derive(Serialize)]
+    struct Named<T> {
+        value: T,
+    }
+    let text = toml::to_string(&Named { value })
         .map_err(|error| VehicleError::Model(format!("vehicle file: {error}")))?;
     let early = text.split_inclusive('\n').filter(|line| !LATER.contains(&line.trim_end()));
     Ok(format!("{:08x}", checksum(&early.collect::<String>())))
