@@ -8,6 +8,8 @@ of the truck stays as it is, because the driver steers against the wind.
 
 from __future__ import annotations
 
+import json
+
 import numpy as np
 import pytest
 
@@ -22,6 +24,7 @@ SIDE_FORCE = 0.75 * 5.0
 PRESSURE_HEIGHT_M, ROLL_CENTER_M = 2.4, 0.75
 GUSTS, GUST_S = 0.15, 3.0
 DIRECTIONS = 8
+UNIX_S = 1.79e9
 
 
 def windy(log: dict, load: tuple[float, float], wind_mps: float, direction: int) -> dict:
@@ -113,6 +116,18 @@ def test_a_side_wind_is_in_long_drives_but_not_in_single_turns(truck, tmp_path):
         except ValueError:
             return None  # the wind was told from the turns
 
+    def learned(log: dict) -> cgheight.Vehicle | None:
+        of_empty = {
+            **log,
+            "time_s": log["time_s"] + UNIX_S,
+            "trailer_mass_kg": np.full(log["time_s"].size, EMPTY_KG),
+        }
+        text = cgheight.learn_log(of_empty, vehicle=truck)
+        if not json.loads(text)["trips"]:
+            return None  # the trip was refused
+        out = tmp_path / "learned.toml"
+        return cgheight.calibrate(truck, [], out, from_state=text, force=True)
+
     still = calibrated("rounded-step", 0.0, 0)
     found = {}
     tests = {"turn": (turn, test), "trip": (trip, test)}
@@ -129,6 +144,13 @@ def test_a_side_wind_is_in_long_drives_but_not_in_single_turns(truck, tmp_path):
             answers = [cgheight.estimate_log(trip, vehicle=one) for one in trucks if one]
             name = f"calibrated on {kind}, {wind_mps:.0f} m/s"
             found[kind, wind_mps] = judged(name, answers)
+    for kind, log in (("rounded-step", tests["turn, empty"][0]), ("drive", logs["drive"][0])):
+        for wind_mps in (0.0, 3.0, 5.0):
+            some = range(DIRECTIONS if wind_mps else 1)
+            trucks = [learned(windy(log, empty, wind_mps, direction)) for direction in some]
+            answers = [cgheight.estimate_log(trip, vehicle=one) for one in trucks if one]
+            name = f"learned from one {kind}, {wind_mps:.0f} m/s"
+            found["learned", kind, wind_mps] = judged(name, answers)
     # Without wind both are right.
     assert all(found[name, 0.0][0] < 0.01 for name in ("turn", "trip"))
     # A single turn says too little of the wind: this is a limit, and documented as one.
@@ -140,3 +162,11 @@ def test_a_side_wind_is_in_long_drives_but_not_in_single_turns(truck, tmp_path):
     # In a drive the wind comes from all sides: 95 % of sixteen are fifteen, less two for chance.
     assert found["trip", 3.0][2] + found["trip", 5.0][2] >= 13
     assert found["drive", 3.0][0] < 0.01
+    # The same of what is learned from an empty trip: of one turn, or of a drive.
+    assert all(found["learned", kind, 0.0][0] < 0.01 for kind in logs)
+    rms, heights, hold, _ = found["learned", "rounded-step", 3.0]
+    assert rms > 0.03
+    assert hold < heights
+    held = [found["learned", "drive", wind_mps] for wind_mps in (3.0, 5.0)]
+    assert sum(one[2] for one in held) >= 13
+    assert sum(one[1] for one in held) <= sum(one[2] for one in held) + 2
