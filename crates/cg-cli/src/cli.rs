@@ -233,6 +233,12 @@ pub(crate) struct SimulateArgs {
     /// be 0 with the printed equations
     #[arg(long, value_name = "Y", default_value_t = 0.0, allow_negative_numbers = true, value_parser = number)]
     pub(crate) payload_left_m: f64,
+    /// Mean speed of the wind on the trailer's body, m/s, with gusts of 15 %; for the nonlinear plant and a vehicle file with [wind]
+    #[arg(long, value_name = "W", default_value_t = 0.0, allow_negative_numbers = true, value_parser = not_negative)]
+    pub(crate) wind_mps: f64,
+    /// Where the wind comes from at the start, rad: 0 from ahead, 1.571 from the left
+    #[arg(long, value_name = "A", default_value_t = 0.0, allow_negative_numbers = true, value_parser = number)]
+    pub(crate) wind_from_rad: f64,
     /// Forward speed, m/s; on a road, the greatest [default: from the vehicle file, or the limits of
     /// the road]
     #[arg(long, value_name = "U", allow_negative_numbers = true, value_parser = speed_mps)]

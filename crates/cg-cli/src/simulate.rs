@@ -66,6 +66,8 @@ fn scenario(arguments: &SimulateArgs, vehicle: &Vehicle) -> anyhow::Result<Scena
             .payload_behind_hitch_m
             .unwrap_or(usual.payload_behind_hitch_m),
         payload_left_m: arguments.payload_left_m,
+        wind_mps: arguments.wind_mps,
+        wind_from_rad: arguments.wind_from_rad,
         speed_mps: arguments.speed_mps.unwrap_or(usual.speed_mps),
         steer_rad: arguments.steer_rad,
         rate_hz: arguments.rate_hz,

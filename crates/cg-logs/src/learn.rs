@@ -16,9 +16,10 @@ use cg_core::decide::height::Fusion;
 use cg_core::{CHANNELS, Channel, Design, HeightError, Maneuver, Measured, RatioLine, Reject};
 use cg_vehicle::lift::LiftAxle;
 use cg_vehicle::sensor_places::Road;
+use cg_vehicle::side_wind::SideWind;
 use cg_vehicle::{Load, Variant, Vehicle, VehicleError};
 
-use crate::estimate::{EMPTY_SHARE, LogEstimator};
+use crate::estimate::{EMPTY_SHARE, Ended, Gusts, LogEstimator};
 use crate::learned::empty;
 
 pub use crate::learned::{EmptyTrip, Learned, Taken};
@@ -65,6 +66,7 @@ struct Open {
     /// Identified ratios divided by those of the design for the empty trailer. The systematic part is
     /// the bank of the road.
     relative: [Fusion<f64>; CHANNELS],
+    gusts: Gusts,
 }
 
 /// Recognizes trips with the empty trailer and learns from them.
@@ -98,8 +100,7 @@ impl Learner {
         self.learned.with_open(self.open.as_ref().and_then(|open| self.trip(open, design)))
     }
 
-    /// Takes a maneuver that ended at the time `end_s`, s. `weighed` tells whether its mass is from a
-    /// signal. A maneuver with a load, or after a long trip, ends the trip.
+    /// Takes a maneuver. One with a load, or after a long trip, ends the trip.
     ///
     /// # Errors
     /// As [`Learned::take`].
@@ -107,21 +108,22 @@ impl Learner {
         &mut self,
         design: &Design<f64>,
         maneuver: &Maneuver<f64>,
-        (end_s, weighed): (f64, bool),
+        ended: Ended,
     ) -> Result<Option<Taken>, VehicleError> {
         let empty_kg = self.empty.trailer_mass_kg;
-        let is_empty = weighed && (maneuver.trailer_mass_kg / empty_kg - 1.0).abs() <= EMPTY_SHARE;
+        let is_empty =
+            ended.is_weighed && (maneuver.trailer_mass_kg / empty_kg - 1.0).abs() <= EMPTY_SHARE;
         let is_long =
-            |open: &Open| !((open.first_s..=open.first_s + LONGEST_TRIP_S).contains(&end_s));
-        let ended = if !is_empty || self.open.as_ref().is_some_and(is_long) {
+            |open: &Open| !((open.first_s..=open.first_s + LONGEST_TRIP_S).contains(&ended.time_s));
+        let taken = if !is_empty || self.open.as_ref().is_some_and(is_long) {
             self.finish(design)?
         } else {
             None
         };
         if is_empty {
-            self.add(design, maneuver, end_s);
+            self.add(design, maneuver, ended);
         }
-        Ok(ended)
+        Ok(taken)
     }
 
     /// Takes all maneuvers of a log and ends the trip. Returns what became of the trips in it.
@@ -135,8 +137,8 @@ impl Learner {
             return Ok(taken); // the empty trailer may be another one
         }
         self.set_lift_axle(log.lift_axle());
-        for (maneuver, end_s, weighed) in log.maneuvers() {
-            taken.extend(self.maneuver(&design, &maneuver, (end_s, weighed))?);
+        for (maneuver, ended) in log.maneuvers() {
+            taken.extend(self.maneuver(&design, &maneuver, ended)?);
         }
         taken.extend(self.finish(&design)?);
         Ok(taken)
@@ -151,7 +153,7 @@ impl Learner {
         trip.map(|trip| self.learned.take(&self.vehicle, self.variant, trip)).transpose()
     }
 
-    fn add(&mut self, design: &Design<f64>, maneuver: &Maneuver<f64>, end_s: f64) {
+    fn add(&mut self, design: &Design<f64>, maneuver: &Maneuver<f64>, ended: Ended) {
         let &Maneuver { speed_mps, trailer_mass_kg, .. } = maneuver;
         if !(speed_mps >= LEAST_SPEED_MPS) {
             return;
@@ -170,15 +172,17 @@ impl Learner {
             return;
         }
         let open = self.open.get_or_insert(Open {
-            first_s: end_s,
-            last_s: end_s,
+            first_s: ended.time_s,
+            last_s: ended.time_s,
             speed_mps: 0.0,
             trailer_mass_kg: 0.0,
             maneuvers: 0,
             relative: [Fusion::new(); CHANNELS],
+            gusts: Gusts::default(),
         });
-        open.last_s = end_s;
+        open.last_s = ended.time_s;
         open.maneuvers += 1;
+        open.gusts.push(ended.gust);
         let share = 1.0 / f64::from(open.maneuvers);
         open.speed_mps += share * (speed_mps - open.speed_mps);
         open.trailer_mass_kg += share * (trailer_mass_kg - open.trailer_mass_kg);
@@ -192,12 +196,16 @@ impl Learner {
     /// The ratios of the maneuvers at their mean speed.
     fn trip(&self, open: &Open, design: &Design<f64>) -> Option<EmptyTrip> {
         let load = self.empty;
+        let side = (SideWind::of(&self.vehicle).unwrap_or_default(), design);
+        let turn = [open.speed_mps, load.trailer_mass_kg, load.cg_height_m];
         let ratio = Channel::ALL.map(|channel| {
             let relative = open.relative[channel.index()].height()?.height_m;
             let line = design.line(channel, open.speed_mps, load.trailer_mass_kg)?;
             let expected =
                 line.ratio_at(load.cg_height_m) * design.channels[channel.index()].compensation;
-            Some(Measured { value: expected * relative.value, sd: expected.abs() * relative.sd })
+            let by_wind = open.gusts.ratio_sd(side, channel, turn);
+            let sd = libm::hypot(relative.sd, by_wind * relative.value);
+            Some(Measured { value: expected * relative.value, sd: expected.abs() * sd })
         });
         let trip = EmptyTrip {
             date_s: open.last_s,

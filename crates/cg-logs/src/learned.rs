@@ -28,7 +28,7 @@ pub struct EmptyTrip {
     /// Mean of the measured trailer mass, kg.
     pub trailer_mass_kg: f64,
     /// DC ratios of the empty trailer in the order of [`Channel::ALL`](cg_core::Channel::ALL), with the standard deviation
-    /// due to noise and to the bank of the road.
+    /// due to noise, to the bank of the road and to a side wind.
     pub ratio: [Option<Measured<f64>>; CHANNELS],
     /// Number of its maneuvers.
     pub maneuvers: u32,

@@ -16,7 +16,7 @@ use cg_vehicle::{Variant, Vehicle, VehicleError};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use crate::estimate::Strength;
+use crate::estimate::{Gusts, Strength};
 use crate::learned::Learned;
 
 const FORMAT: &str = "cg-height state";
@@ -55,6 +55,9 @@ pub struct State {
     /// What the turns of the load came to, if they were strong. Older files do not have it.
     #[serde(default, skip_serializing_if = "Strength::is_none")]
     pub strength: Strength,
+    /// What a wind makes of the ratios of the load. Older files do not have it.
+    #[serde(default, skip_serializing_if = "Gusts::is_none")]
+    pub gusts: Gusts,
     memory: Stored,
     /// Number of learned trips in the design that gave the heights. Older files do not have it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -156,6 +159,7 @@ impl State {
             mass_is_of_another_load: false,
             lift_axle: LiftAxle::Down,
             strength: Strength::default(),
+            gusts: Gusts::default(),
             trips_in_use: None,
             learned,
             memory: Stored {
@@ -228,8 +232,12 @@ impl State {
         }
         let state: Self =
             serde_json::from_str(json).map_err(|error| StateError::Content(error.to_string()))?;
-        let parts =
-            [state.stored().is_sound(), state.learned.is_sound(), state.strength.is_sound()];
+        let parts = [
+            state.stored().is_sound(),
+            state.learned.is_sound(),
+            state.strength.is_sound(),
+            state.gusts.is_sound(),
+        ];
         if parts.contains(&false) {
             return Err(StateError::Unsound);
         }

@@ -27,4 +27,5 @@ mod tight_turns;
 mod truck_in_noise;
 mod twisting;
 mod two_loads;
+mod wind;
 mod tyre_slopes;

@@ -71,9 +71,9 @@ fn a_mass_of_long_ago_weighs_no_maneuver() {
     }
     let maneuvers = estimator(&vehicle, &[&empty, &unweighed]).maneuvers();
     let (mut weighed, mut others) = (0, 0);
-    for (_, end_s, is_weighed) in maneuvers {
-        assert_eq!(is_weighed, end_s < 7000.0, "{end_s}");
-        *if is_weighed { &mut weighed } else { &mut others } += 1;
+    for (_, ended) in maneuvers {
+        assert_eq!(ended.is_weighed, ended.time_s < 7000.0, "{ended:?}");
+        *if ended.is_weighed { &mut weighed } else { &mut others } += 1;
     }
     assert!(weighed > 1 && others > 1, "{weighed} {others}");
 }

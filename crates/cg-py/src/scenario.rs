@@ -29,6 +29,8 @@ pub(crate) struct Request {
     payload_kg: Option<f64>,
     payload_behind_hitch_m: Option<f64>,
     payload_left_m: f64,
+    wind_mps: f64,
+    wind_from_rad: f64,
     speed_mps: Option<f64>,
     steer_rad: Option<f64>,
     rate_hz: f64,
@@ -128,6 +130,8 @@ impl Request {
                 .payload_behind_hitch_m
                 .unwrap_or(usual.payload_behind_hitch_m),
             payload_left_m: self.payload_left_m,
+            wind_mps: self.wind_mps,
+            wind_from_rad: self.wind_from_rad,
             speed_mps: self.speed_mps.unwrap_or(usual.speed_mps),
             steer_rad: self.steer_rad,
             rate_hz: self.rate_hz,

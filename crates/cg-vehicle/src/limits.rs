@@ -8,6 +8,8 @@ pub const GREATEST_HEIGHT_M: f64 = 6.0;
 pub const GREATEST_TRAILER_MASS_KG: f64 = 200e3;
 /// Distance of a payload's c.g. behind the fifth wheel.
 pub const GREATEST_PAYLOAD_BEHIND_HITCH_M: f64 = 20.0;
+/// Greatest speed of a wind: a storm, in which no box body drives.
+pub const GREATEST_WIND_MPS: f64 = 30.0;
 /// Forward speed.
 pub const GREATEST_SPEED_MPS: f64 = 60.0;
 /// Mean steer angle of the road wheels.

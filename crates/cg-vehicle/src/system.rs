@@ -324,6 +324,8 @@ pub struct Simulation {
     ramp: DVector<f64>,
     /// The present state of the model.
     pub state: DVector<f64>,
+    /// Room for the next one.
+    next: DVector<f64>,
     input: f64,
 }
 
@@ -341,6 +343,7 @@ impl Simulation {
             held: exponential.view((0, n), (n, 1)).column(0).into_owned(),
             ramp: exponential.view((0, n + 1), (n, 1)).column(0).into_owned(),
             state: DVector::zeros(n),
+            next: DVector::zeros(n),
             input: 0.0,
         }
     }
@@ -359,9 +362,10 @@ impl Simulation {
 
     /// Advances one interval, at the end of which the input is `input`.
     pub fn push(&mut self, input: f64) {
-        self.state = &self.transition * &self.state
-            + &self.held * self.input
-            + &self.ramp * (input - self.input);
+        self.next.gemv(1.0, &self.transition, &self.state, 0.0);
+        self.next.axpy(self.input, &self.held, 1.0);
+        self.next.axpy(input - self.input, &self.ramp, 1.0);
+        std::mem::swap(&mut self.state, &mut self.next);
         self.input = input;
     }
 }

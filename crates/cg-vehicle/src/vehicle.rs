@@ -11,6 +11,7 @@ use crate::load::Load;
 use crate::sensor_places::{Road, SensorPlaces, SuspensionPressure};
 use crate::tables::{AligningMomentTable, LateralForceTable, Spring};
 pub use crate::uncertainty::Uncertainty;
+use crate::wind::Wind;
 
 /// A payload of less than this is none, kg.
 const EMPTY_KG: f64 = 1.0;
@@ -51,6 +52,9 @@ pub struct Vehicle {
     /// The roads on which the vehicle drives, for roll angles relative to gravity.
     #[serde(default)]
     pub road: Option<Road>,
+    /// The side of the trailer's body, and the wind on it. Without it, the wind is in no interval.
+    #[serde(default)]
+    pub wind: Option<Wind>,
     /// Parameters that only the thesis's printed model uses.
     #[serde(default)]
     pub as_printed: Option<AsPrinted>,

@@ -1,7 +1,7 @@
 //! Learning from empty driving ([`cg_logs::learn`]): what is learned is used from the next start on.
 
 use cg_core::{Design, Maneuver};
-use cg_logs::estimate::{EstimateOptions, Truck};
+use cg_logs::estimate::{Ended, EstimateOptions, Truck};
 use cg_logs::learn::{Learned, Learner, Taken};
 use cg_vehicle::belief::Belief;
 use cg_vehicle::lift::LiftAxle;
@@ -34,18 +34,17 @@ impl Learning {
         self.learner.set_lift_axle(position);
     }
 
-    /// Learns from a maneuver if the trailer is empty. Without a maneuver, the trip ends. The pair is
-    /// the time of its end, s, and whether a signal gave the mass.
+    /// Learns from a maneuver if the trailer is empty. Without a maneuver, the trip ends.
     pub(crate) fn push(
         &mut self,
         design: &Design<f64>,
-        maneuver: Option<(&Maneuver<f64>, (f64, bool))>,
+        maneuver: Option<(&Maneuver<f64>, Ended)>,
     ) -> Option<Told> {
         if !self.on {
             return None;
         }
         let taken = match maneuver {
-            Some((maneuver, how)) => self.learner.maneuver(design, maneuver, how),
+            Some((maneuver, ended)) => self.learner.maneuver(design, maneuver, ended),
             None => self.learner.finish(design),
         };
         told(taken, self.learner.learned(design).trips())

@@ -14,8 +14,8 @@ use cg_core::{
 };
 use cg_logs::can::Instant;
 use cg_logs::estimate::{
-    Engine, EstimateOptions, Leaning, LeftOut, Lift, Rated, RoadPart, SensorCheck, SinceStop,
-    StrongTurns, Tilts, Unheard, Verdict, add_force,
+    Ended, Engine, EstimateOptions, Leaning, LeftOut, Lift, Rated, RoadPart, SensorCheck,
+    SinceStop, StrongTurns, Tilts, Unheard, Verdict, Windward, add_force,
 };
 use cg_logs::log::Signal;
 
@@ -90,6 +90,7 @@ pub(crate) struct Session<W: Write> {
     pub(crate) tilts: Tilts,
     /// The noise of a roll rate whose integral is the roll angle.
     pub(crate) rated: Rated,
+    pub(crate) windward: Windward,
     samples: u64,
     pub(crate) counters: Counters,
     /// Time stamp minus stream time, s.
@@ -160,6 +161,7 @@ impl<W: Write> Session<W> {
             seen: [false; Quantity::COUNT],
             tilts: Tilts::default(),
             rated: Rated::default(),
+            windward: Windward::default(),
             samples: 0,
             counters: Counters::default(),
             offset_s: 0.0,
@@ -237,6 +239,7 @@ impl<W: Write> Session<W> {
         let gravity_mps2 = self.estimator.design().gravity_mps2;
         self.leaning.push(sample, step.status, gravity_mps2);
         self.strong.push(sample);
+        self.windward.push(sample, step.status, self.estimator.design());
         self.stop.push(sample, &self.estimator);
         if let Some(maneuver) = step.closed {
             self.maneuver(&maneuver)?;
@@ -275,6 +278,7 @@ impl<W: Write> Session<W> {
         self.unheard.push(maneuver);
         self.strong.close(maneuver, is_of_another_load);
         self.rated.close(maneuver, is_of_another_load);
+        self.windward.close(maneuver, is_of_another_load);
         self.left_out.close(maneuver, &self.estimator, is_of_another_load);
         if is_of_another_load {
             self.load_since_s = Some(self.time_s(maneuver.end_us));
@@ -298,9 +302,11 @@ impl<W: Write> Session<W> {
             let times_s = [self.time_s(self.now_us), self.offset_s];
             page.turn(self.estimator.design(), maneuver, &self.known, times_s);
         }
-        let weighed =
+        let is_weighed =
             self.trailer_mass_kg.is_none() && self.weighing.weighed.covers(maneuver.start_us);
-        self.learn(Some((maneuver, (self.time_s(maneuver.end_us), weighed))))?;
+        let time_s = self.time_s(maneuver.end_us);
+        let ended = Ended { time_s, is_weighed, gust: self.windward.last() };
+        self.learn(Some((maneuver, ended)))?;
         self.compare(before)?;
         self.remark(maneuver)?;
         self.save()
@@ -315,7 +321,7 @@ impl<W: Write> Session<W> {
     }
 
     /// Learns from a maneuver, or ends the trip.
-    fn learn(&mut self, maneuver: Option<(&Maneuver<f64>, (f64, bool))>) -> io::Result<()> {
+    fn learn(&mut self, maneuver: Option<(&Maneuver<f64>, Ended)>) -> io::Result<()> {
         let design = self.estimator.design();
         // Otherwise the empty trailer may be another one.
         let maneuver = maneuver.filter(|_| self.lift.doubt().is_none());
@@ -454,7 +460,8 @@ impl<W: Write> Session<W> {
         let design = self.estimator.design();
         let learned = self.learning.as_ref().map(|learning| learning.learned(design));
         let (strength, position) = (self.strength(), self.lift.position());
-        let load = self.weighing.saved(self.load_since_s, strength, self.trips_in_use, position);
+        let turns = (strength, self.windward.of_load());
+        let load = self.weighing.saved(self.load_since_s, turns, self.trips_in_use, position);
         match self.outputs.save(&memory, saved_s, load, learned.unwrap_or_default()) {
             Some(message) => self.notice("state", &message),
             None => Ok(()),

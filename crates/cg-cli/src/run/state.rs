@@ -10,7 +10,7 @@ use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
 
 use cg_core::Memory;
-use cg_logs::estimate::Strength;
+use cg_logs::estimate::{Gusts, Strength};
 use cg_logs::learn::Learned;
 use cg_logs::output::{Draft, Target};
 use cg_logs::state::{Owner, State, StateError};
@@ -46,6 +46,8 @@ pub(crate) struct SavedLoad {
     pub(crate) lift_axle: LiftAxle,
     /// What its turns came to.
     pub(crate) strength: Strength,
+    /// What a wind makes of their ratios.
+    pub(crate) gusts: Gusts,
     /// Number of learned trips in the design.
     pub(crate) trips_in_use: usize,
 }
@@ -79,6 +81,7 @@ impl StateFile {
         state.mass_is_of_another_load = load.mass_is_of_another_load;
         state.lift_axle = load.lift_axle;
         state.strength = load.strength;
+        state.gusts = load.gusts;
         state.trips_in_use = Some(load.trips_in_use);
         let text = state.to_text()?;
         let (draft, mut file) = self.target.open()?;
@@ -226,12 +229,15 @@ mod tests {
         file.save(&memory, 1.5, load, Learned::default()).unwrap();
         let scale = Some(Scale::AxleLoad);
         let strength = Strength { greatest: 0.7, braking_mps2: 0.3, sd: 0.1 + 0.2 };
+        let gusts = r#"{"sum":{"slopes":[0.1,-0.2],"random":0.3},"maneuvers":2.0}"#;
+        let gusts: Gusts = serde_json::from_str(gusts).unwrap();
         let load = SavedLoad {
             since_s: None,
             scale,
             lift_axle: LiftAxle::Raised,
             mass_is_of_another_load: true,
             strength,
+            gusts,
             trips_in_use: 3,
         };
         file.save(&memory, 2.5, load, Learned::default()).unwrap();
@@ -240,7 +246,7 @@ mod tests {
         assert_eq!(state.memory(2), memory.of_another_design());
         assert_eq!(state.scale, Some(Scale::AxleLoad));
         assert_eq!((state.mass_is_of_another_load, state.lift_axle), (true, LiftAxle::Raised));
-        assert_eq!(state.strength, strength);
+        assert_eq!((state.strength, state.gusts), (strength, gusts));
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
     }
 

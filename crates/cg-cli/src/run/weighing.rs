@@ -1,7 +1,7 @@
 //! How exact the trailer mass is.
 
 use cg_core::Design;
-use cg_logs::estimate::{Strength, Weighed};
+use cg_logs::estimate::{Gusts, Strength, Weighed};
 use cg_vehicle::lift::LiftAxle;
 use cg_vehicle::scales::{Scale, Scales};
 
@@ -47,13 +47,21 @@ impl Weighing {
     pub(crate) fn saved(
         &self,
         since_s: Option<f64>,
-        strength: Strength,
+        (strength, gusts): (Strength, Gusts),
         trips_in_use: usize,
         lift_axle: LiftAxle,
     ) -> SavedLoad {
         let mass_is_of_another_load = self.weighed.is_of_another_load();
         let scale = self.scale;
-        SavedLoad { since_s, scale, mass_is_of_another_load, lift_axle, strength, trips_in_use }
+        SavedLoad {
+            since_s,
+            scale,
+            mass_is_of_another_load,
+            lift_axle,
+            strength,
+            gusts,
+            trips_in_use,
+        }
     }
 
     /// A result with the scale of its mass and its standard deviation.

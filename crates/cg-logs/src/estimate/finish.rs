@@ -9,6 +9,7 @@ use super::leaning::threshold_g;
 use super::options::interval_95;
 use super::reason::reason;
 use super::road::RoadPart;
+use super::windward::Windward;
 
 /// Value of [`LogEstimate::channel`] if several channels were used.
 const COMBINED: &str = "combined";
@@ -149,11 +150,15 @@ impl LogEstimator {
         let turn = [speed.unwrap_or(best.speed_mps), best.trailer_mass_kg];
         let by_tilts_m = self.seen.tilts().height_sd_m(&self.design, (channel, height), turn);
         let by_rate_m = self.rated.height_sd_m(&self.design, (channel, height), turn);
+        let side = (self.options.side_wind, &self.design);
+        let by_wind_m = self.windward.height_sd_m(side, (channel, height), turn);
         let by_turns_m = [strength.sd * height, lean_sd * height];
-        let sd = [by_mass_m, doubt.sd_m, by_tilts_m, by_rate_m]
+        let windless_m = [by_mass_m, doubt.sd_m, by_tilts_m, by_rate_m]
             .into_iter()
             .chain(by_turns_m)
             .fold(fused.height_m.sd, libm::hypot);
+        let sd = libm::hypot(windless_m, by_wind_m);
+        estimate.messages.extend(Windward::message(by_wind_m, windless_m));
         estimate.messages.extend(strength.messages());
         estimate.messages.extend(doubt.message());
         estimate.height_m = Some(height);
@@ -269,6 +274,10 @@ impl LogEstimator {
             let strength = self.strong.strength(&self.design, (channel, height.height_m.value));
             let lean_sd = self.leaning.height_sd(self.options.lean, mass_kg);
             let by_turns = libm::hypot(strength.sd, lean_sd);
+            let turn = [identified.speed_mps, mass_kg, height.height_m.value];
+            let side = (self.options.side_wind, &self.design);
+            let by_wind = self.windward.of_load().ratio_sd(side, channel, turn);
+            let by_turns = libm::hypot(by_turns, by_wind);
             let relative_sd = libm::hypot(by_turns, self.rated.ratio_sd(channel));
             identified.ratio[channel.index()] = ratio.map(|ratio| Measured {
                 sd: libm::hypot(ratio.sd, relative_sd * ratio.value),

@@ -9,6 +9,7 @@ use serde::{Deserialize, Serialize};
 
 use super::engine::Engine;
 use super::felt::felt_mps2;
+use super::kept::Kept;
 use super::leaning::Leaning;
 use super::left_out::LeftOut;
 use super::means::SampleSum;
@@ -22,16 +23,13 @@ use super::sensors::SensorCheck;
 use super::since_stop::SinceStop;
 use super::strong::StrongTurns;
 use super::unheard::Unheard;
+use super::windward::Windward;
 use crate::log::{LogRow, Signal};
 use cg_vehicle::Vehicle;
 use cg_vehicle::belief::Belief;
 use cg_vehicle::error::VehicleError;
 use cg_vehicle::lift::LiftAxle;
 use cg_vehicle::scales::Scale;
-
-/// Number of maneuvers of a log that are kept; further ones are only counted. A year of driving has
-/// some thousands.
-const MOST_MANEUVERS: usize = 10_000;
 
 /// The DC ratios identified from a log.
 #[derive(Clone, Debug, PartialEq)]
@@ -95,14 +93,15 @@ pub struct LogEstimator {
     pub(super) leaning: Leaning,
     pub(super) strong: StrongTurns,
     pub(super) rated: Rated,
+    pub(super) windward: Windward,
     pub(super) left_out: LeftOut,
     pub(super) unheard: Unheard,
     pub(super) stop: SinceStop,
     pub(super) maneuvers: Vec<Maneuver<f64>>,
-    /// Whether a signal gave the mass of each of them.
-    are_weighed: Vec<bool>,
+    /// What else is kept of each of them.
+    pub(super) kept: Vec<Kept>,
     /// The place of the first maneuver of the last load among them.
-    first_of_load: usize,
+    pub(super) first_of_load: usize,
     /// Number of maneuvers that are not kept.
     pub(super) more_maneuvers: u64,
     /// Only while a calibration reads a log.
@@ -168,11 +167,12 @@ impl LogEstimator {
             leaning: Leaning::default(),
             strong: StrongTurns::default(),
             rated: Rated::default(),
+            windward: Windward::default(),
             left_out: LeftOut::default(),
             unheard: Unheard::default(),
             stop: SinceStop::default(),
             maneuvers: Vec::new(),
-            are_weighed: Vec::new(),
+            kept: Vec::new(),
             first_of_load: 0,
             more_maneuvers: 0,
             recorder: None,
@@ -197,6 +197,7 @@ impl LogEstimator {
         self.sensors.close(true);
         (self.leaning, self.strong) = (Leaning::default(), StrongTurns::default());
         (self.rated, self.left_out) = (Rated::default(), LeftOut::default());
+        self.windward = Windward::default();
         (self.unheard, self.stop) = (Unheard::default(), SinceStop::default());
         self.recorder = None;
     }
@@ -292,6 +293,7 @@ impl LogEstimator {
         self.sensors.push_mean(sample, gravity_mps2);
         self.leaning.push_mean((sample, f64::from(of.number)), step.status, gravity_mps2);
         self.strong.push(sample);
+        self.windward.push(sample, step.status, &self.design);
         self.stop.push(sample, &self.engine);
         if step.status == Status::Absent {
             self.absent_rows += u64::from(of.number);
@@ -333,20 +335,6 @@ impl LogEstimator {
         self.lift.doubt()
     }
 
-    /// Ends the log and returns its maneuvers since the lift axles have moved, with the time of their end, s, and whether their mass is
-    /// from a signal in the log.
-    pub fn maneuvers(mut self) -> impl Iterator<Item = (Maneuver<f64>, f64, bool)> {
-        self.end();
-        let origin_s = self.origin_s.unwrap_or(0.0);
-        let before = self.lift.moved().map_or(0, |(_, maneuvers)| maneuvers);
-        let all = self.maneuvers.into_iter().zip(self.are_weighed).skip(before);
-        all.map(move |(maneuver, weighed)| {
-            #[allow(clippy::cast_precision_loss)] // 2^53 µs are 285 years
-            let end_s = origin_s + maneuver.end_us as f64 * 1e-6;
-            (maneuver, end_s, weighed)
-        })
-    }
-
     /// The sample of a row.
     pub(super) fn sample(&mut self, row: &LogRow) -> Sample<f64> {
         let origin_s = *self.origin_s.get_or_insert(row.time_s);
@@ -382,58 +370,13 @@ impl LogEstimator {
         let height_m = height.map_or(self.design.reference_height_m, |all| all.height_m.value);
         felt_mps2(&self.design, &sample, speed_mps, [self.trailer_mass_kg, height_m])
     }
-
-    pub(super) fn keep(&mut self, closed: Option<&Maneuver<f64>>) {
-        if let Some(maneuver) = closed {
-            self.lift.turn(self.time_s(maneuver.end_us));
-            let engine = (&mut self.engine, &self.options);
-            let is_first_of_load = self.stop.close(maneuver, engine);
-            self.sensors.close(is_first_of_load);
-            self.unheard.push(maneuver);
-            self.strong.close(maneuver, is_first_of_load);
-            self.rated.close(maneuver, is_first_of_load);
-            self.left_out.close(maneuver, &self.engine, is_first_of_load);
-            if is_first_of_load {
-                self.first_of_load = self.maneuvers.len();
-                if self.seen.mass_kg.is_some() {
-                    self.seen.weighed.change_load(maneuver.start_us);
-                }
-            }
-        }
-        if self.maneuvers.len() < MOST_MANEUVERS {
-            let is_of_log = self.options.trailer_mass_kg.is_none();
-            let is_weighed =
-                |one: &Maneuver<f64>| is_of_log && self.seen.weighed.covers(one.start_us);
-            self.are_weighed.extend(closed.map(is_weighed));
-            self.maneuvers.extend(closed);
-        } else {
-            self.more_maneuvers += u64::from(closed.is_some());
-        }
-    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::estimate::trial::{MASS_KG, SPEED_MPS, design, maneuver, plain};
+    use crate::estimate::trial::{MASS_KG, SPEED_MPS, design, plain};
     use cg_core::Channel;
-
-    #[test]
-    fn maneuvers_beyond_the_limit_are_counted() {
-        let mut log = plain();
-        let one = maneuver();
-        log.maneuvers = vec![one; MOST_MANEUVERS - 1];
-        for (closed, kept, more) in [
-            (None, MOST_MANEUVERS - 1, 0),
-            (Some(&one), MOST_MANEUVERS, 0),
-            (Some(&one), MOST_MANEUVERS, 1),
-            (Some(&one), MOST_MANEUVERS, 2),
-            (None, MOST_MANEUVERS, 2),
-        ] {
-            log.keep(closed);
-            assert_eq!((log.maneuvers.len(), log.more_maneuvers), (kept, more));
-        }
-    }
 
     /// The means of a log are those that the estimator makes of its samples, although cells are missing: speeds in two rows of
     /// three, roll angles here and there, the lateral acceleration for a while, and all of some seconds; times jitter.

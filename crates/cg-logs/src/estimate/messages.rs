@@ -49,10 +49,15 @@ impl LogEstimator {
         let mut of_roll =
             Channel::ALL.into_iter().filter(|one| one.feels_bank() && !self.is_on_road());
         if let Some(drift) = of_roll.find_map(|channel| self.drift(channel)) {
+            let beyond = match self.options.side_wind {
+                Some(_) => {
+                    "is in the interval as far as [wind] in the vehicle file says how strong it is"
+                }
+                None => "is not in the interval, because the vehicle file has no [wind]",
+            };
             messages.push(format!(
                 "the roll angle drifts by {drift:.1} degrees per minute: its sensor does, or a side wind comes from another \
-                 side after a turn; a constant drift was removed from each maneuver, and what a wind does beyond that is not \
-                 in the interval"
+                 side after a turn; a constant drift was removed from each maneuver, and what a wind does beyond that {beyond}"
             ));
         }
         if self.more_maneuvers > 0 {

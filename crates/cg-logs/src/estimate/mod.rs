@@ -22,6 +22,7 @@
 //! | `since_stop` | whether the load was another one after a stop |
 //! | `tilts` | what is not known of the gains of inclinometers |
 //! | `rated` | the noise of a roll rate whose integral is the roll angle |
+//! | `windward` | what a side wind makes of the ratios |
 //! | `strong` | how near to rolling over the turns came |
 //! | `weighed` | whether the mass is that of the present load |
 //! | `recorder` | inputs and roll angles of a log, for the shapes of a calibration |
@@ -32,6 +33,7 @@
 //! | `means` | means of neighboring samples |
 //! | `row_sample` | the sample of a row, and which signals a log has |
 //! | `intake` | processing of the rows |
+//! | `closing`, `kept` | the end of a maneuver, and what is kept of it |
 //! | `mass` | mass and speed in the turns of a log |
 //! | `scatter` | whether curves contradict each other, as on a banked road |
 //! | `diagnosis`, `messages`, `finish` | the end of a log: likely causes, messages, the result |
@@ -60,13 +62,16 @@ mod recorder;
 mod felt;
 mod tilts;
 mod rated;
+mod windward;
 mod strong;
 mod road;
 mod reason;
 mod unheard;
 mod means;
 mod row_sample;
+mod kept;
 mod intake;
+mod closing;
 mod mass;
 mod diagnosis;
 mod scatter;
@@ -80,6 +85,7 @@ pub use answer::{ChannelEstimate, LogEstimate, ManeuverEstimate, Verdict};
 pub use engine::Engine;
 pub use felt::{add_force, felt_mps2};
 pub use intake::{Identified, LogEstimator};
+pub use kept::Ended;
 pub(crate) use known::mass_contradiction;
 pub use known::{is_held, is_other_load, known_mass, known_speed, weighed_mass};
 pub use leaning::{Leaning, threshold_g};
@@ -98,3 +104,4 @@ pub use strong::{Strength, StrongTurns};
 pub use tilts::Tilts;
 pub use unheard::Unheard;
 pub use weighed::Weighed;
+pub use windward::{Gust, Gusts, Windward};

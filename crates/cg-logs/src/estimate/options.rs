@@ -11,6 +11,7 @@ use cg_vehicle::lean::Lean;
 use cg_vehicle::lift::LiftAxle;
 use cg_vehicle::scales::Scales;
 use cg_vehicle::second_sensor::slopes;
+use cg_vehicle::side_wind::SideWind;
 use cg_vehicle::{Variant, Vehicle};
 use serde::{Deserialize, Serialize};
 
@@ -163,6 +164,9 @@ pub struct EstimateOptions {
     pub judgment: Option<Judgment>,
     /// The lean of a trailer whose load stands beside the middle.
     pub lean: Option<Lean>,
+    /// The side of the trailer's body, and the wind on it. `None`: it is in no interval.
+    #[serde(default)]
+    pub side_wind: Option<SideWind>,
     /// Whether the place of the roll sensor matters and is not in the vehicle file.
     pub roll_sensor_is_unplaced: bool,
     /// The floor on which a load stands, if it is known.
@@ -182,7 +186,17 @@ impl EstimateOptions {
         let roll_sensor_is_unplaced = has_unplaced_roll_sensor(vehicle);
         let (scales, floor) = (Scales::of(vehicle), Some(Floor::of(vehicle)));
         let second_roll_slopes = slopes(vehicle).unwrap_or_default();
-        Self { scales, road, lean, roll_sensor_is_unplaced, floor, second_roll_slopes, ..self }
+        let side_wind = SideWind::of(vehicle).unwrap_or_default();
+        Self {
+            scales,
+            road,
+            lean,
+            side_wind,
+            roll_sensor_is_unplaced,
+            floor,
+            second_roll_slopes,
+            ..self
+        }
     }
 
     /// What is said of a maneuver with these outcomes if the place of the roll sensor is missing.
@@ -235,6 +249,7 @@ impl Default for EstimateOptions {
             road: None,
             judgment: None,
             lean: None,
+            side_wind: None,
             roll_sensor_is_unplaced: false,
             floor: None,
             second_roll_slopes: None,

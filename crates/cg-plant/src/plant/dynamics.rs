@@ -23,6 +23,7 @@ use super::tyre::Contact;
 use super::vector::{Vector, add, inverse_symmetric, scaled, sin_cos, solve_spd, turned};
 use cg_vehicle::characteristics::FifthWheel;
 use cg_vehicle::characteristics::Grip;
+use cg_vehicle::wind::Wind;
 use serde::{Deserialize, Serialize};
 
 /// The driver's inputs.
@@ -36,6 +37,9 @@ pub struct Control {
     pub acceleration_mps2: f64,
     /// The road under the vehicle.
     pub ground: Ground,
+    /// Velocity of the wind in the axes of the way at the start: forward, to the left.
+    #[serde(default)]
+    pub wind_mps: [f64; 2],
 }
 
 /// The constant parameters.
@@ -57,6 +61,8 @@ pub(super) struct Parameters {
     pub(super) gravity_mps2: f64,
     /// Places of the accelerometers of tractor and trailer from the reference points, body axes.
     pub(super) accelerometers: [Vector; 2],
+    /// The side of the trailer's body and its middle from the fifth wheel, body axes.
+    pub(super) side: Option<(Wind, Vector)>,
 }
 
 /// Intermediate results of the rates, reused from one evaluation to the next to avoid clearing them.
@@ -223,6 +229,7 @@ impl Parameters {
             &Side::new(on_hitch, instant.x[roll_of]),
             instant.turn,
         );
+        self.blow(instant, second, &mut trailer, &mut front);
         let coupled = front.as_mut().map_or(&mut trailer, |(_, own)| own);
         for i in 0..3 {
             tractor.force[3 + i] += coupling.tractor[i];
@@ -244,6 +251,33 @@ impl Parameters {
         probe.hitch_force_n = solution.hitch_force_n;
         probe.hitch_moment_nm = coupling.moment_nm;
         self.spread(instant, &solution, probe, rate);
+    }
+
+    /// Adds the force of the wind on the side of the trailer's body, half of it on each half. Still air has none.
+    #[inline]
+    fn blow(
+        &self,
+        instant: &Instant<'_>,
+        rear: &Motion,
+        trailer: &mut Equations,
+        front: &mut Option<(Motion, Equations)>,
+    ) {
+        let [ahead_mps, left_mps] = instant.control.wind_mps;
+        let blows = ahead_mps.abs() > 0.0 || left_mps.abs() > 0.0;
+        let Some((side, middle)) = self.side.filter(|_| blows) else { return };
+        let (sin, cos) = libm::sincos(instant.x[C::TrailerYaw as usize]);
+        let along_mps = ahead_mps * cos + left_mps * sin - rear.velocity[0];
+        let across_mps = left_mps * cos - ahead_mps * sin - rear.velocity[1];
+        let force_n = side.force_n([along_mps, across_mps]);
+        let share = if front.is_some() { 0.5 } else { 1.0 };
+        let add = |motion: &Motion, equations: &mut Equations| {
+            let rho = motion.attitude.outward(middle);
+            equations.add_force(&motion.attitude, rho, [0.0, share * force_n, 0.0]);
+        };
+        add(rear, trailer);
+        if let Some((motion, own)) = front {
+            add(motion, own);
+        }
     }
 
     /// Motion and equations of the front half, without the moments of fifth wheel and frame.

@@ -108,6 +108,7 @@ impl<'a> Simulation<'a> {
             speed_mps,
             acceleration_mps2: 0.0,
             ground: plant.ground,
+            wind_mps: plant.wind_mps,
         };
         Ok(Self {
             plant,
@@ -118,6 +119,11 @@ impl<'a> Simulation<'a> {
             probe: Box::default(),
             past: Past::new(),
         })
+    }
+
+    /// Lets another wind blow from now on, with this velocity in the axes of the way at the start: forward, to the left.
+    pub fn blow(&mut self, wind_mps: [f64; 2]) {
+        self.control.wind_mps = wind_mps;
     }
 
     /// Advances by an interval, to a steer angle and speed at its end; both are interpolated linearly.
@@ -137,7 +143,8 @@ impl<'a> Simulation<'a> {
     ) -> Progress {
         let acceleration_mps2 = (speed_mps - self.control.speed_mps) / interval_s;
         let from = Control { acceleration_mps2, ..self.control };
-        let to = Control { steer_rad, speed_mps, acceleration_mps2, ground: *ground };
+        let wind_mps = self.control.wind_mps;
+        let to = Control { steer_rad, speed_mps, acceleration_mps2, ground: *ground, wind_mps };
         let steps = self.plant.steps(interval_s);
         let h = interval_s / f64::from(steps);
         // Differences due to rounding of a log's times are ignored.
@@ -272,6 +279,7 @@ fn between(from: &Control, to: &Control, share: f64) -> Control {
         speed_mps: line(from.speed_mps, to.speed_mps),
         acceleration_mps2: to.acceleration_mps2,
         ground: from.ground.towards(&to.ground, share),
+        wind_mps: to.wind_mps,
     }
 }
 

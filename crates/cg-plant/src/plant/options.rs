@@ -25,6 +25,9 @@ pub struct PlantOptions {
     pub bank_rad: f64,
     /// Grade of the road at the start of a run, uphill positive.
     pub grade_rad: f64,
+    /// Velocity of the wind at the start of a run, forward and to the left. It acts on the side that `[wind]` of the vehicle file
+    /// describes, and stays unless [`blow`](super::Simulation::blow) changes it.
+    pub wind_mps: [f64; 2],
     /// Distance of the payload's c.g. to the left of the middle.
     pub payload_left_m: f64,
     /// Distance of the payload's c.g. behind its position in the vehicle file. Springs and tires remain
@@ -46,6 +49,7 @@ impl Default for PlantOptions {
             tyres: Characteristics::Measured,
             bank_rad: 0.0,
             grade_rad: 0.0,
+            wind_mps: [0.0; 2],
             payload_left_m: 0.0,
             payload_behind_m: 0.0,
             design_load: None,

@@ -82,6 +82,7 @@ pub(super) fn parameters(
         kinds,
         gravity_mps2: g,
         accelerometers: accelerometers(vehicle),
+        side: vehicle.wind.map(|wind| (wind, side_middle(vehicle, wind.side_height_m))),
     };
     Ok((parameters, state))
 }
@@ -235,6 +236,11 @@ fn axle(
             relaxation_length_m: tyre.relaxation_length_m,
         },
     }
+}
+
+/// The middle of the side of the trailer's body from the fifth wheel: that of the box of the payload.
+fn side_middle(vehicle: &Vehicle, height_m: f64) -> Vector {
+    [-vehicle.trailer.payload.behind_hitch_m, 0.0, height_m - vehicle.hitch.height_m]
 }
 
 /// The trailer's sprung mass, or its rear half and its front half if its frame twists.

@@ -20,6 +20,7 @@ pub struct YawRollPlant {
     pub(super) design: State,
     pub(super) steered: Vec<bool>,
     pub(super) ground: Ground,
+    pub(super) wind_mps: [f64; 2],
     pub(super) step_s: f64,
     pub(super) method: Method,
 }
@@ -37,10 +38,10 @@ impl YawRollPlant {
     ) -> Result<Self, VehicleError> {
         let (parameters, design) = setup::parameters(vehicle, load, options)?;
         let steered = vehicle.axles().iter().map(|axle| axle.steered).collect();
-        let PlantOptions { bank_rad, grade_rad, step_s, .. } = *options;
+        let PlantOptions { bank_rad, grade_rad, wind_mps, step_s, .. } = *options;
         let ground = Ground { bank_rad, grade_rad, ..Ground::default() };
         let method = Method::RungeKutta;
-        let mut plant = Self { parameters, design, steered, ground, step_s, method };
+        let mut plant = Self { parameters, design, steered, ground, wind_mps, step_s, method };
         if options.design_load.is_some() {
             plant.lift_to(load.cg_height_m, vehicle.nominal_speed_mps)?;
         }
@@ -63,7 +64,8 @@ impl YawRollPlant {
 
     /// Straight driving at a speed.
     pub(super) fn settled(&self, speed_mps: f64) -> Result<Rest, VehicleError> {
-        let control = Control { speed_mps, ground: self.ground, ..Control::default() };
+        let Self { ground, wind_mps, .. } = *self;
+        let control = Control { speed_mps, ground, wind_mps, ..Control::default() };
         settle(&self.parameters, &self.design, &control)
     }
 

@@ -8,6 +8,7 @@
 //! | `plant_run` | the nonlinear plant, step by step |
 //! | `states` | the true states as a list of named numbers |
 //! | `on_road` | a driver who follows a road |
+//! | `weather` | the wind |
 //! | `nonlinear` | the nonlinear plant, steered by a steer history or by a driver |
 //! | `simulation` | a scenario ready to run, and its log |
 
@@ -17,6 +18,7 @@ mod signals;
 mod plant_run;
 mod states;
 mod on_road;
+mod weather;
 mod nonlinear;
 mod simulation;
 

@@ -4,6 +4,7 @@
 use super::on_road::RoadDriver;
 use super::plant_run::{PlantInput, PlantRun};
 use super::scenario::{Scenario, Track};
+use super::weather::Weather;
 use crate::maneuver::{Course, Histories};
 use crate::plant::{Driver, DriverSettings, Ground, Path, PlantOptions, Simulation};
 use crate::road::Road;
@@ -32,7 +33,8 @@ fn path(course: Course, scenario: &Scenario) -> Path {
 
 /// Who steers.
 enum Steering<'a> {
-    History(&'a Histories),
+    /// A steer history, and the steer angle that keeps the truck straight in the wind.
+    History(&'a Histories, f64),
     Path(Box<Driver>, f64),
     Road(Box<RoadDriver>),
 }
@@ -42,8 +44,8 @@ impl Steering<'_> {
     fn next(&mut self, run: &Simulation<'_>, until_s: f64, step_s: f64) -> PlantInput {
         let ground = Ground::default();
         match self {
-            Self::History(histories) => PlantInput {
-                steer_rad: histories.steer_rad(until_s),
+            Self::History(histories, straight_rad) => PlantInput {
+                steer_rad: *straight_rad + histories.steer_rad(until_s),
                 speed_mps: histories.speed_mps(until_s),
                 ground,
             },
@@ -62,16 +64,18 @@ pub(super) fn record(
     histories: &Histories,
     samples: u64,
 ) -> Result<Recorded, VehicleError> {
-    let options =
-        PlantOptions { payload_left_m: scenario.payload_left_m, ..PlantOptions::default() };
+    let (payload_left_m, wind_mps) = (scenario.payload_left_m, Weather::new(scenario).mean_mps());
+    let options = PlantOptions { wind_mps, payload_left_m, ..PlantOptions::default() };
     let run = PlantRun::of(vehicle, scenario.load, &options, histories.speed_mps(0.0))?;
     let plant = run.simulation().plant();
     let driver = |course| {
         Driver::new(plant, path(course, scenario), scenario.speed_mps, DriverSettings::default())
     };
-    let mut steering = match scenario.course {
-        Some(course) => Steering::Path(Box::new(driver(course)?), scenario.speed_mps),
-        None => Steering::History(histories),
+    let mut steering = if let Some(course) = scenario.course {
+        Steering::Path(Box::new(driver(course)?), scenario.speed_mps)
+    } else {
+        let held_rad = run.simulation().control().steer_rad;
+        Steering::History(histories, if scenario.wind_mps > 0.0 { held_rad } else { 0.0 })
     };
     run_through(scenario, run.without_chassis(), &mut steering, samples)
 }
@@ -86,7 +90,9 @@ pub(super) fn record_on_road(
     let driver = RoadDriver::new(vehicle, scenario.variant, scenario.load, road)?;
     let (speed_mps, Ground { bank_rad, grade_rad, .. }) = driver.start();
     let payload_left_m = scenario.payload_left_m;
-    let options = PlantOptions { bank_rad, grade_rad, payload_left_m, ..PlantOptions::default() };
+    let wind_mps = Weather::new(scenario).mean_mps();
+    let options =
+        PlantOptions { bank_rad, grade_rad, wind_mps, payload_left_m, ..PlantOptions::default() };
     let run = PlantRun::of(vehicle, scenario.load, &options, speed_mps)?;
     run_through(scenario, run, &mut Steering::Road(Box::new(driver)), samples)
 }
@@ -98,6 +104,7 @@ fn run_through(
     samples: u64,
 ) -> Result<Recorded, VehicleError> {
     let track = matches!(steering, Steering::Road(_)).then(Track::default);
+    let mut weather = Weather::new(scenario);
     let mut recorded = Recorded { rows: Vec::new(), track, rolled_over_s: None };
     for k in 0..samples {
         #[allow(clippy::cast_precision_loss)]
@@ -105,6 +112,7 @@ fn run_through(
         if k > 0 {
             // The steer history is evaluated at each step of the plant, not interpolated between samples.
             let interval_s = time_s - run.simulation().time_s();
+            run.blow(weather.next_mps(interval_s));
             run.drive(interval_s, |run, until_s, step_s| steering.next(run, until_s, step_s))?;
             if let Err(rolled) = run.simulation().upright() {
                 if scenario.to_rollover {

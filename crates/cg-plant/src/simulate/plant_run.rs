@@ -195,6 +195,11 @@ impl PlantRun {
         self.run.go_on_from(moment)
     }
 
+    /// Lets another wind blow from now on ([`Simulation::blow`]).
+    pub(super) fn blow(&mut self, wind_mps: [f64; 2]) {
+        self.run.blow(wind_mps);
+    }
+
     /// The run itself: state, time and progress.
     pub fn simulation(&self) -> &Simulation<'static> {
         &self.run

@@ -80,6 +80,10 @@ pub struct Scenario {
     pub payload_behind_hitch_m: f64,
     /// Distance of the payload's c.g. to the left of the middle. The linear models lean by it.
     pub payload_left_m: f64,
+    /// Mean speed of the wind on the trailer's body; nonlinear plant only, and `[wind]` of the vehicle file describes the body.
+    pub wind_mps: f64,
+    /// Where the wind comes from: 0 from ahead, π/2 from the left at the start.
+    pub wind_from_rad: f64,
     /// Forward speed.
     pub speed_mps: f64,
     /// Road-wheel amplitude; `None` for 0.17 g.
@@ -111,6 +115,8 @@ impl Scenario {
             load: vehicle.reference_load(),
             payload_behind_hitch_m: vehicle.trailer.payload.behind_hitch_m,
             payload_left_m: 0.0,
+            wind_mps: 0.0,
+            wind_from_rad: 0.0,
             speed_mps: vehicle.nominal_speed_mps,
             steer_rad: None,
             rate_hz: 100.0,
@@ -163,6 +169,28 @@ impl Scenario {
         check_payload_left(vehicle, self.payload_left_m)
     }
 
+    fn check_wind(&self, vehicle: &Vehicle) -> Result<(), VehicleError> {
+        let refuse = |text: String| Err(VehicleError::Model(text));
+        if !((0.0..=limits::GREATEST_WIND_MPS).contains(&self.wind_mps)
+            && self.wind_from_rad.is_finite())
+        {
+            return refuse(format!(
+                "⟨wind_mps⟩ {} must lie between 0 and {}, and ⟨wind_from_rad⟩ must be a number",
+                self.wind_mps,
+                limits::GREATEST_WIND_MPS
+            ));
+        }
+        if self.wind_mps > 0.0 && self.plant != Plant::Nonlinear {
+            return refuse("⟨wind_mps⟩ needs ⟨plant nonlinear⟩".into());
+        }
+        if self.wind_mps > 0.0 && vehicle.wind.is_none() {
+            return refuse(
+                "⟨wind_mps⟩: the vehicle file has no [wind], which says how large the side of the body is; add it".into(),
+            );
+        }
+        Ok(())
+    }
+
     fn check_steer(&self) -> Result<(), VehicleError> {
         let greatest_rad = limits::GREATEST_STEER_RAD;
         match self.steer_rad {
@@ -181,6 +209,7 @@ impl Scenario {
         self.load.check()?;
         self.check_place(vehicle)?;
         self.check_steer()?;
+        self.check_wind(vehicle)?;
         limits::positive("⟨speed_mps⟩", self.speed_mps, limits::GREATEST_SPEED_MPS)?;
         limits::positive("⟨rate_hz⟩", self.rate_hz, limits::GREATEST_RATE_HZ)?;
         limits::positive("⟨duration_s⟩", self.duration_s, limits::GREATEST_DURATION_S)?;
@@ -245,6 +274,10 @@ pub struct Truth {
     pub payload_behind_hitch_m: f64,
     /// Distance of the payload's c.g. to the left of the middle.
     pub payload_left_m: f64,
+    /// Mean speed of the wind.
+    pub wind_mps: f64,
+    /// Where it comes from, to the first direction of travel.
+    pub wind_from_rad: f64,
     /// Forward speed (of a drive: the speed about which it varies).
     pub speed_mps: f64,
     /// Steer amplitude (of a driver: the greatest).
@@ -277,6 +310,8 @@ impl Truth {
             trailer_mass_kg: scenario.load.trailer_mass_kg,
             payload_behind_hitch_m: vehicle.trailer.payload.behind_hitch_m,
             payload_left_m: scenario.payload_left_m,
+            wind_mps: scenario.wind_mps,
+            wind_from_rad: scenario.wind_from_rad,
             speed_mps: scenario.speed_mps,
             steer_rad,
             ratio,

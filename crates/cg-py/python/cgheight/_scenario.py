@@ -161,6 +161,10 @@ class Scenario:
     payload_left_m : float
         Distance of the payload's c.g. to the left of the middle, m, negative to the right. To the
         linear and the reduced model it adds the lean; the printed equations have none.
+    wind_mps, wind_from_rad : float
+        Mean speed of the wind on the trailer's body, m/s, with gusts of 15 %, and where it comes from
+        at the start, rad: 0 from ahead, pi/2 from the left. For the nonlinear plant and a vehicle
+        file with ``[wind]``.
     speed_mps : float, optional
         Forward speed, m/s, on a road the greatest one; if absent, the vehicle's nominal speed, or
         the limits of the road.
@@ -198,6 +202,8 @@ class Scenario:
     payload_kg: float | None = None
     payload_behind_hitch_m: float | None = None
     payload_left_m: float = 0.0
+    wind_mps: float = 0.0
+    wind_from_rad: float = 0.0
     speed_mps: float | None = None
     steer_rad: float | None = None
     rate_hz: float = 100.0

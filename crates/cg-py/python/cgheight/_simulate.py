@@ -70,6 +70,8 @@ class Truth(_OnRoad):
         Mass of the whole semitrailer, kg.
     payload_behind_hitch_m, payload_left_m : float
         Distances of the payload's c.g. behind the fifth wheel and to the left of the middle, m.
+    wind_mps, wind_from_rad : float
+        Mean speed of the wind, m/s, and where it comes from, rad, as in `Scenario`.
     speed_mps : float
         Forward speed, m/s; in a drive, the speed about which it varies; on a road, the mean.
     steer_rad : float
@@ -103,6 +105,8 @@ class Truth(_OnRoad):
     trailer_mass_kg: float
     payload_behind_hitch_m: float
     payload_left_m: float
+    wind_mps: float
+    wind_from_rad: float
     speed_mps: float
     steer_rad: float
     ratio: float

@@ -72,6 +72,14 @@ pub static TABLES: &[Table] = &[
         )
     },
     Table { required: false, ..table(&["road"], "the roads on which it drives", ROAD) },
+    Table {
+        required: false,
+        ..table(
+            &["wind"],
+            "the side of the trailer's body, and the wind on it: of a box or a curtain body, or of a load that is as high; without it, no interval contains a side wind",
+            WIND,
+        )
+    },
     table(&["trailer.axle[i]"], "an axle of the trailer, front to rear", TRAILER_AXLE),
     table(&["tractor.axle[i]", "trailer.axle[i]"], "parameters of every axle", AXLE),
     table(&["tyre[i]"], "a tire type", TYRE),
@@ -244,6 +252,13 @@ const MASS: &[Key] = &[
 #[rustfmt::skip]
 const ROAD: &[Key] = &[
     number("bank_sd_rad", "rad", [0.0, 0.04], [0.0, 0.15], "standard deviation of their bank in curves"),
+];
+
+#[rustfmt::skip]
+const WIND: &[Key] = &[
+    number("side_area_m2", "m²", [5.0, 45.0], [0.1, 100.0], "area of body and load seen from the side"),
+    number("side_height_m", "m", [1.3, 3.2], [0.5, 4.5], "height of the middle of that area"),
+    number("speed_mps", "m/s", [0.0, 8.0], [0.0, 30.0], "root mean square of the wind's speed at that height, from any direction").optional(),
 ];
 
 #[rustfmt::skip]

@@ -20,6 +20,8 @@ fn complete() -> Table {
                    [mass]\nweighed_sd_kg = 20.0";
     root.insert("sensors".to_owned(), Value::Table(sensors.parse().unwrap()));
     root.insert("road".to_owned(), Value::Table("bank_sd_rad = 0.02".parse().unwrap()));
+    let side = "side_area_m2 = 36.0\nside_height_m = 2.4".parse().unwrap();
+    root.insert("wind".to_owned(), Value::Table(side));
     root
 }
 

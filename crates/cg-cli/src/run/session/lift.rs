@@ -4,7 +4,7 @@ use std::io::{self, Write};
 use std::mem::swap;
 
 use cg_logs::estimate::{
-    Leaning, LeftOut, Rated, RoadPart, SinceStop, StrongTurns, Truck, Unheard,
+    Leaning, LeftOut, Rated, RoadPart, SinceStop, StrongTurns, Truck, Unheard, Windward,
 };
 use cg_vehicle::lift::LiftAxle;
 
@@ -73,6 +73,7 @@ impl<W: Write> Session<W> {
         self.sensors.close(true);
         (self.leaning, self.strong) = (Leaning::default(), StrongTurns::default());
         (self.rated, self.left_out) = (Rated::default(), LeftOut::default());
+        self.windward = Windward::default();
         (self.unheard, self.stop) = (Unheard::default(), SinceStop::default());
         (self.hidden_kg, self.roads) = (None, RoadPart::default());
         self.told.clear();

@@ -3,7 +3,9 @@
 use std::io::{self, Write};
 
 use cg_core::{HeightError, Maneuver, Reject, Sample, Settings};
-use cg_logs::estimate::{Engine, LeftOut, SinceStop, StrongTurns, Weighed, is_other_load};
+use cg_logs::estimate::{
+    Engine, LeftOut, SinceStop, StrongTurns, Weighed, Windward, is_other_load,
+};
 
 use super::Session;
 use crate::run::events::{MassSource, Result as Known};
@@ -28,6 +30,7 @@ impl<W: Write> Session<W> {
                 (self.load_since_s, self.weighing.scale) = (state.load_since_s, state.scale);
                 self.weighing.weighed = Weighed::kept(state.mass_is_of_another_load);
                 self.strong = StrongTurns::kept(state.strength);
+                self.windward = Windward::kept(state.gusts);
                 self.left_out = LeftOut::new(&self.estimator);
                 self.stop = SinceStop::restarted(&self.estimator);
                 // The nominal mass means that the load was not weighed.

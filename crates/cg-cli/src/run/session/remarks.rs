@@ -143,7 +143,10 @@ impl<W: Write> Session<W> {
         let by_sensors_m = self.estimator.best_channel().map_or(0.0, |channel| {
             let height = (channel, height_m);
             let by_tilts_m = self.tilts.height_sd_m(design, height, turn);
-            libm::hypot(by_tilts_m, self.rated.height_sd_m(design, height, turn))
+            let by_wind_m =
+                self.windward.height_sd_m((self.options.side_wind, design), height, turn);
+            let by_rate_m = self.rated.height_sd_m(design, height, turn);
+            libm::hypot(libm::hypot(by_tilts_m, by_rate_m), by_wind_m)
         });
         [by_turns * height_m, left_out_m, by_sensors_m].into_iter().fold(by_mass_m, libm::hypot)
     }

@@ -1,0 +1,112 @@
+//! What a side wind does to the roll of a trailer.
+
+use serde::{Deserialize, Serialize};
+
+use crate::error::VehicleError;
+use crate::lean::Lean;
+use crate::load::Load;
+use crate::vehicle::Vehicle;
+
+/// What the usual wind does to the roll of a trailer.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[non_exhaustive]
+pub struct SideWind {
+    /// Moment of the force about the roll axis for each m/s of the truck if the wind blows across with its root mean square, N s.
+    moment_ns: f64,
+    /// Moment that holds the trailer against rolling, without that of its weight, N m/rad.
+    stiffness_nm_per_rad: f64,
+    /// Suspension roll over roll angle.
+    of_suspension: f64,
+    unsprung_kg: f64,
+    roll_center_m: f64,
+    gravity_mps2: f64,
+}
+
+impl SideWind {
+    /// That of a vehicle whose file says what the side of its body is.
+    ///
+    /// The roll axis is taken at the roll centers of the trailer's axles.
+    ///
+    /// # Errors
+    /// As [`Lean::of`].
+    pub fn of(vehicle: &Vehicle) -> Result<Option<Self>, VehicleError> {
+        let Some(wind) = vehicle.wind else { return Ok(None) };
+        let lean = Lean::of(vehicle)?;
+        let axles = &vehicle.trailer.axle;
+        #[allow(clippy::cast_precision_loss)] // a handful
+        let share = 1.0 / axles.len() as f64;
+        let heights = axles.iter().map(|axle| axle.axle.roll_center_height_m);
+        let roll_center_m: f64 = heights.map(|height_m| share * height_m).sum();
+        let soft = Self {
+            moment_ns: wind.n_per_m2ps2() * wind.speed_mps * (wind.side_height_m - roll_center_m),
+            stiffness_nm_per_rad: vehicle.gravity_mps2 / lean.rad_per_kgm,
+            of_suspension: lean.suspension_rad_per_kgm / lean.rad_per_kgm,
+            unsprung_kg: vehicle.trailer_unsprung_mass_kg(),
+            roll_center_m,
+            gravity_mps2: vehicle.gravity_mps2,
+        };
+        let Load { trailer_mass_kg, cg_height_m } = vehicle.reference_load();
+        let by_weight_nm = soft.weight_nm_per_rad([trailer_mass_kg, cg_height_m]);
+        let stiffness_nm_per_rad = soft.stiffness_nm_per_rad + by_weight_nm;
+        Ok(Some(Self { stiffness_nm_per_rad, ..soft }))
+    }
+
+    /// Moment of the weight of a trailer of a mass, kg, whose c.g. is at a height, m, when it rolls, N m/rad.
+    fn weight_nm_per_rad(&self, [trailer_mass_kg, cg_height_m]: [f64; 2]) -> f64 {
+        let arm_m = cg_height_m - self.roll_center_m;
+        self.gravity_mps2 * (trailer_mass_kg - self.unsprung_kg) * arm_m
+    }
+
+    /// Roll angle, rad, over the speed of the truck, m/s, of a trailer of a mass, kg, whose c.g. is at a height, m, if the usual wind
+    /// blows across its way.
+    ///
+    /// The air comes nearly from ahead, so that the force goes with the speed of the truck times that of the wind.
+    pub fn roll_rad_per_mps(&self, load: [f64; 2]) -> f64 {
+        self.moment_ns / (self.stiffness_nm_per_rad - self.weight_nm_per_rad(load))
+    }
+
+    /// The same of the suspension roll.
+    pub fn suspension_rad_per_mps(&self, load: [f64; 2]) -> f64 {
+        self.of_suspension * self.roll_rad_per_mps(load)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::guide::{TruckKind, template};
+    use crate::wind::Wind;
+
+    /// By hand: a moment of 100 N m for each m/s against 1 MN m/rad, of which 10 t that are 1 m above the roll axis take a tenth.
+    #[test]
+    fn the_weight_makes_the_trailer_softer() {
+        let side = SideWind {
+            moment_ns: 100.0,
+            stiffness_nm_per_rad: 1e6,
+            of_suspension: 0.5,
+            unsprung_kg: 2000.0,
+            roll_center_m: 0.4,
+            gravity_mps2: 10.0,
+        };
+        let found = side.roll_rad_per_mps([12e3, 1.4]);
+        assert!((found - 100.0 / 0.9e6).abs() < 1e-12, "{found}");
+        assert!((side.suspension_rad_per_mps([12e3, 1.4]) - 50.0 / 0.9e6).abs() < 1e-12);
+    }
+
+    /// The file's roll centers are at 0.7 m, and its reference load rolls as its lean says.
+    #[test]
+    fn a_vehicle_without_a_side_has_no_side_wind() {
+        let text = template(TruckKind::FourByTwoThreeAxle);
+        let mut vehicle = Vehicle::parse(&text, "truck").unwrap();
+        assert!(SideWind::of(&vehicle).unwrap().is_none());
+        let boxed = Wind { side_area_m2: 36.0, side_height_m: 2.4, speed_mps: 3.0 };
+        vehicle.wind = Some(boxed);
+        let side = SideWind::of(&vehicle).unwrap().unwrap();
+        let moment_ns = 3.0 * boxed.n_per_m2ps2() * 1.7;
+        assert!((side.moment_ns / moment_ns - 1.0).abs() < 1e-12);
+        let (load, lean) = (vehicle.reference_load(), Lean::of(&vehicle).unwrap());
+        let found = side.roll_rad_per_mps([load.trailer_mass_kg, load.cg_height_m]);
+        let expected = moment_ns * lean.rad_per_kgm / vehicle.gravity_mps2;
+        assert!((found / expected - 1.0).abs() < 1e-9, "{found} for {expected}");
+    }
+}
