@@ -11,7 +11,7 @@ use crate::vehicle::Vehicle;
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub struct SideWind {
-    /// Moment of the force about the roll axis for each m/s of the truck if the wind blows across with its root mean square, N s.
+    /// Moment of the force about roll axis and road for each m/s of the truck if the wind blows across with its root mean square, N s.
     moment_ns: f64,
     /// Moment that holds the trailer against rolling, without that of its weight, N m/rad.
     stiffness_nm_per_rad: f64,
@@ -37,10 +37,13 @@ impl SideWind {
         let share = 1.0 / axles.len() as f64;
         let heights = axles.iter().map(|axle| axle.axle.roll_center_height_m);
         let roll_center_m: f64 = heights.map(|height_m| share * height_m).sum();
+        let of_suspension = lean.suspension_rad_per_kgm / lean.rad_per_kgm;
+        // The tires carry the force to the road, so their part of the roll is about it.
+        let arm_m = wind.side_height_m - of_suspension * roll_center_m;
         let soft = Self {
-            moment_ns: wind.n_per_m2ps2() * wind.speed_mps * (wind.side_height_m - roll_center_m),
+            moment_ns: wind.n_per_m2ps2() * wind.speed_mps * arm_m,
             stiffness_nm_per_rad: vehicle.gravity_mps2 / lean.rad_per_kgm,
-            of_suspension: lean.suspension_rad_per_kgm / lean.rad_per_kgm,
+            of_suspension,
             unsprung_kg: vehicle.trailer_unsprung_mass_kg(),
             roll_center_m,
             gravity_mps2: vehicle.gravity_mps2,
@@ -102,9 +105,11 @@ mod tests {
         let boxed = Wind { side_area_m2: 36.0, side_height_m: 2.4, speed_mps: 3.0 };
         vehicle.wind = Some(boxed);
         let side = SideWind::of(&vehicle).unwrap().unwrap();
-        let moment_ns = 3.0 * boxed.n_per_m2ps2() * 1.7;
-        assert!((side.moment_ns / moment_ns - 1.0).abs() < 1e-12);
         let (load, lean) = (vehicle.reference_load(), Lean::of(&vehicle).unwrap());
+        let of_suspension = lean.suspension_rad_per_kgm / lean.rad_per_kgm;
+        let arm_m = 1.7 * of_suspension + 2.4 * (1.0 - of_suspension);
+        let moment_ns = 3.0 * boxed.n_per_m2ps2() * arm_m;
+        assert!((side.moment_ns / moment_ns - 1.0).abs() < 1e-12);
         let found = side.roll_rad_per_mps([load.trailer_mass_kg, load.cg_height_m]);
         let expected = moment_ns * lean.rad_per_kgm / vehicle.gravity_mps2;
         assert!((found / expected - 1.0).abs() < 1e-9, "{found} for {expected}");

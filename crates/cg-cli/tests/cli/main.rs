@@ -12,6 +12,7 @@
 //! | `state` | the state file: unreadable, shared by two programs, and when standard output fails |
 //! | `stopping` | `cg run` ends in order: signals while its input stalls, damaged logs |
 //! | `streams` | endless lines, standard input, closed pipes |
+//! | `wind` | a side wind on the body that the vehicle file describes |
 //! | `vehicles` | vehicle files with one mistake each |
 //! | `new_truck` | `cg vehicle`: from a new vehicle file to a height |
 //! | `usage` | wrong arguments |
@@ -65,3 +66,4 @@ mod streams;
 mod study;
 mod usage;
 mod vehicles;
+mod wind;

@@ -162,9 +162,9 @@ class Scenario:
         Distance of the payload's c.g. to the left of the middle, m, negative to the right. To the
         linear and the reduced model it adds the lean; the printed equations have none.
     wind_mps, wind_from_rad : float
-        Mean speed of the wind on the trailer's body, m/s, with gusts of 15 %, and where it comes from
-        at the start, rad: 0 from ahead, pi/2 from the left. For the nonlinear plant and a vehicle
-        file with ``[wind]``.
+        Mean speed of the wind on the trailer's body, m/s, with gusts of 15 %, and where it comes
+        from at the start, rad: 0 from ahead, pi/2 from the left. For the nonlinear plant and a
+        vehicle file with ``[wind]``.
     speed_mps : float, optional
         Forward speed, m/s, on a road the greatest one; if absent, the vehicle's nominal speed, or
         the limits of the road.

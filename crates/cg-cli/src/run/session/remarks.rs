@@ -3,7 +3,7 @@
 use std::io::{self, Write};
 
 use cg_core::{Channel, Combined, Maneuver, Outcome, Quantity, Reject};
-use cg_logs::estimate::{Doubt, RoadPart, Strength, Verdict};
+use cg_logs::estimate::{Doubt, RoadPart, Strength, Verdict, Windward};
 
 use super::Session;
 use crate::run::channels::{self, mass_sd_m};
@@ -15,6 +15,7 @@ impl<W: Write> Session<W> {
         self.report_lean()?;
         self.report_road(maneuver)?;
         self.report_strength()?;
+        self.report_wind(maneuver.speed_mps)?;
         self.report_left_out()?;
         self.report_empty()?;
         self.report_lift_axle()?;
@@ -126,8 +127,8 @@ impl<W: Write> Session<W> {
     }
 
     /// Standard deviation of the height, m, due to that of the trailer mass, to strong turns, to a load beside the middle, to
-    /// maneuvers that were left out, to the gains of inclinometers and to the noise of a roll rate, which the estimator does
-    /// not know.
+    /// maneuvers that were left out, to the gains of inclinometers, to the noise of a roll rate and to a side wind, which the
+    /// estimator does not know.
     pub(super) fn host_sd_m(&self) -> f64 {
         let known = &self.known;
         let Some(height_m) = known.height_m else { return 0.0 };
@@ -143,12 +144,32 @@ impl<W: Write> Session<W> {
         let by_sensors_m = self.estimator.best_channel().map_or(0.0, |channel| {
             let height = (channel, height_m);
             let by_tilts_m = self.tilts.height_sd_m(design, height, turn);
-            let by_wind_m =
-                self.windward.height_sd_m((self.options.side_wind, design), height, turn);
-            let by_rate_m = self.rated.height_sd_m(design, height, turn);
-            libm::hypot(libm::hypot(by_tilts_m, by_rate_m), by_wind_m)
+            libm::hypot(by_tilts_m, self.rated.height_sd_m(design, height, turn))
         });
-        [by_turns * height_m, left_out_m, by_sensors_m].into_iter().fold(by_mass_m, libm::hypot)
+        [by_turns * height_m, left_out_m, by_sensors_m, self.by_wind_m(speed_mps)]
+            .into_iter()
+            .fold(by_mass_m, libm::hypot)
+    }
+
+    /// The part of a side wind in it, m, at a speed, m/s.
+    fn by_wind_m(&self, speed_mps: f64) -> f64 {
+        let known = &self.known;
+        let best = known.height_m.zip(self.estimator.best_channel());
+        let side = (self.options.side_wind, self.estimator.design());
+        best.map_or(0.0, |(height_m, channel)| {
+            let turn = [speed_mps, known.trailer_mass_kg];
+            self.windward.height_sd_m(side, (channel, height_m), turn)
+        })
+    }
+
+    /// Reports that a side wind makes a large part of the interval.
+    fn report_wind(&mut self, speed_mps: f64) -> io::Result<()> {
+        let by_wind_m = self.by_wind_m(speed_mps);
+        let found = self.known.height_sd_m.and_then(|sd_m| {
+            let rest = sd_m * sd_m - by_wind_m * by_wind_m;
+            Windward::message(by_wind_m, rest.max(0.0).sqrt())
+        });
+        self.notice_of_load("wind", found.as_slice())
     }
 
     /// The share of the unknown bank of the road in the variance of the height.

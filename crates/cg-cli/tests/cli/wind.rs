@@ -1,0 +1,80 @@
+//! A side wind on the body that the vehicle file describes.
+
+use crate::common::{Scratch, cg, estimate, fixture};
+use crate::run::{events, lines};
+
+const SIDE: &str = "\n[wind]\nside_area_m2 = 34.0\nside_height_m = 2.4\n";
+const STEP: [&str; 10] = [
+    "--maneuver",
+    "rounded-step",
+    "--plant",
+    "nonlinear",
+    "--payload-kg",
+    "12000",
+    "--height-m",
+    "1.9",
+    "--rate-hz",
+    "50",
+];
+
+fn euro() -> String {
+    std::fs::read_to_string(fixture("vehicles/euro.toml")).unwrap()
+}
+
+/// `cg estimate` and `cg run` have the same interval, which contains the wind, and say so; a restart keeps it. Calibrations and
+/// trips are those of Python's tests.
+#[test]
+fn a_side_wind_is_in_the_interval_of_estimates_and_runs() {
+    let scratch = Scratch::new();
+    let [plain, boxed] = [("plain.toml", euro()), ("boxed.toml", euro() + SIDE)]
+        .map(|(name, text)| scratch.file(name, text));
+    let wind = ["--wind-mps", "3", "--wind-from-rad", "1.2"];
+    let log = scratch.simulate("log.csv", &boxed, &[&STEP[..], &wind].concat());
+    let answers = [&plain, &boxed].map(|truck| estimate(&log, truck, &["--road", "flat"]).answer());
+    let sd_m = answers.each_ref().map(|answer| answer["height_sd_m"].as_f64().unwrap());
+    assert!(sd_m[1] > 1.005 * sd_m[0], "{sd_m:?}");
+    // A calibration leaves less, of which the wind is a large part.
+    let calm = |name: &str, load: &[&str]| {
+        let turn = [&STEP[..4], &STEP[8..], &["--snr-db", "35"], load].concat();
+        scratch.simulate(name, &boxed, &turn)
+    };
+    let empty = calm("empty.csv", &["--payload-kg", "0"]) + "=empty";
+    let laden = calm("laden.csv", &["--payload-kg", "18000", "--height-m", "1.9"]) + "=1.9";
+    let (file, state) = (scratch.path("calibration.toml"), scratch.path("state.json"));
+    cg(&["calibrate", "--vehicle", &boxed, "--run", &empty, "--run", &laden, "-o", &file]).done();
+    let known = ["--calibration", &file, "--road", "flat"];
+    let answer = estimate(&log, &boxed, &known).answer();
+    assert!(answer["messages"].to_string().contains("a side wind as strong as wind.speed_mps"));
+    let expected_m = answer["height_sd_m"].as_f64().unwrap();
+    let replay = |log: &str| {
+        let run = ["run", "--vehicle", &boxed, "--csv", log, "--state", &state, "--status-s", "1"];
+        lines(&cg(&[&run[..], &known].concat()))
+    };
+    let found = replay(&log);
+    let mut notices = events(&found, "notice").into_iter();
+    assert!(notices.any(|line| line["subject"] == "wind"), "{found:?}");
+    let last = events(&found, "maneuver").pop().unwrap()["height_sd_m"].as_f64().unwrap();
+    assert!((last / expected_m - 1.0).abs() < 0.02, "{last} {expected_m}");
+    // Before its first turn, the next start knows what was.
+    let again = replay(&log);
+    let first = events(&again, "status").remove(0)["height_sd_m"].as_f64().unwrap();
+    assert!((first / last - 1.0).abs() < 0.02, "{first} {last}");
+}
+
+#[test]
+fn a_wind_needs_a_body_and_the_nonlinear_plant() {
+    let scratch = Scratch::new();
+    let [plain, boxed] = [("plain.toml", euro()), ("boxed.toml", euro() + SIDE)]
+        .map(|(name, text)| scratch.file(name, text));
+    let log = scratch.path("log.csv");
+    for (truck, plant, wind_mps, reason) in [
+        (&plain, "nonlinear", "3", "the vehicle file has no [wind]"),
+        (&boxed, "linear", "3", "--wind-mps needs --plant nonlinear"),
+        (&boxed, "nonlinear", "31", "--wind-mps 31 must lie between 0 and 30"),
+    ] {
+        let how = ["--plant", plant, "--wind-mps", wind_mps, "-o", &log];
+        let step = ["simulate", "--vehicle", truck, "--maneuver", "rounded-step"];
+        cg(&[&step[..], &how].concat()).refused(&[reason]);
+        assert!(!scratch.names().contains(&"log.csv".to_owned()));
+    }
+}
