@@ -239,7 +239,9 @@ impl<W: Write> Session<W> {
         let gravity_mps2 = self.estimator.design().gravity_mps2;
         self.leaning.push(sample, step.status, gravity_mps2);
         self.strong.push(sample);
-        self.windward.push(sample, step.status, self.estimator.design());
+        if self.options.side_wind.is_some() {
+            self.windward.push(sample, step.status, self.estimator.design());
+        }
         self.stop.push(sample, &self.estimator);
         if let Some(maneuver) = step.closed {
             self.maneuver(&maneuver)?;

@@ -293,7 +293,9 @@ impl LogEstimator {
         self.sensors.push_mean(sample, gravity_mps2);
         self.leaning.push_mean((sample, f64::from(of.number)), step.status, gravity_mps2);
         self.strong.push(sample);
-        self.windward.push(sample, step.status, &self.design);
+        if self.options.side_wind.is_some() {
+            self.windward.push(sample, step.status, &self.design);
+        }
         self.stop.push(sample, &self.engine);
         if step.status == Status::Absent {
             self.absent_rows += u64::from(of.number);

@@ -25,16 +25,31 @@ const QUANTITIES: [Quantity; COUNT] = [
     Quantity::YawRate,
 ];
 
+/// Their [limits](Quantity::limits), least and greatest.
+const LIMITS: [[f64; 2]; COUNT] = {
+    let mut limits = [[0.0; 2]; COUNT];
+    let mut k = 0;
+    while k < COUNT {
+        let [least, greatest] = QUANTITIES[k].limits();
+        #[allow(clippy::cast_lossless, reason = "`From` is not for constants")]
+        {
+            limits[k] = [least as f64, greatest as f64];
+        }
+        k += 1;
+    }
+    limits
+};
+
 /// The sum of some samples in which the same signals are present: those that are [plausible](Quantity::plausible).
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub(super) struct SampleSum {
     signals: [f64; COUNT],
     /// Which of them are present.
     kinds: u32,
-    /// The sum of the last known speeds, and whether any sample has one. A speed and a mass hold until the next one, so a
+    /// Number of samples with a speed, and the sum of the last known ones. A speed and a mass hold until the next one, so a
     /// mean may be of samples with and without them.
+    speeds: u32,
     known_mps: f64,
-    has_speed: bool,
     /// The sum of the products of yaw rate and speed, m/s².
     turns_mps2: f64,
     /// The last mass, kg.
@@ -60,12 +75,11 @@ impl SampleSum {
             sample.yaw_rate_radps,
         ];
         let mut kinds = 0;
-        for (k, (value, quantity)) in signals.iter_mut().zip(QUANTITIES).enumerate() {
-            if quantity.plausible(*value) {
-                kinds |= 1 << k;
-            } else {
-                *value = f64::NAN;
-            }
+        for (k, (value, [least, greatest])) in signals.iter_mut().zip(LIMITS).enumerate() {
+            // Without a branch for each of them.
+            let is_plausible = (*value >= least) & (*value <= greatest);
+            kinds |= u32::from(is_plausible) << k;
+            *value = if is_plausible { *value } else { f64::NAN };
         }
         let roll_rad = if signals[0].is_nan() {
             Signals::of(&sample.checked(), known_mps, gravity_mps2).output(Output::Roll)
@@ -77,8 +91,8 @@ impl SampleSum {
         Self {
             signals,
             kinds,
+            speeds: u32::from(Quantity::Speed.plausible(sample.speed_mps)),
             known_mps,
-            has_speed: Quantity::Speed.plausible(sample.speed_mps),
             turns_mps2: yaw_rate_radps * known_mps,
             trailer_mass_kg: if has_mass { sample.trailer_mass_kg } else { f64::NAN },
             roll_rad,
@@ -90,9 +104,9 @@ impl SampleSum {
         self.kinds
     }
 
-    /// Whether a sample has a speed.
+    /// Whether any sample has a speed.
     pub(super) fn has_speed(&self) -> bool {
-        self.has_speed
+        self.speeds > 0
     }
 
     /// The sample with the mean, which [`scaled`](Averaged::scaled) gives, and the last known speed.
@@ -137,8 +151,8 @@ impl Averaged<f64> for SampleSum {
     const NONE: Self = Self {
         signals: [f64::NAN; COUNT],
         kinds: 0,
+        speeds: 0,
         known_mps: 0.0,
-        has_speed: false,
         turns_mps2: f64::NAN,
         trailer_mass_kg: f64::NAN,
         roll_rad: f64::NAN,
@@ -157,7 +171,7 @@ impl Averaged<f64> for SampleSum {
             *sum += value;
         }
         self.known_mps += other.known_mps;
-        self.has_speed |= other.has_speed;
+        self.speeds += other.speeds;
         self.turns_mps2 += other.turns_mps2;
         if !other.trailer_mass_kg.is_nan() {
             self.trailer_mass_kg = other.trailer_mass_kg;
