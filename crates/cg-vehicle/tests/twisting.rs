@@ -9,15 +9,18 @@ use cg_vehicle::equations::Equations;
 use cg_vehicle::linear::{LinearModel, SteadyLines};
 use cg_vehicle::second_sensor::SecondShare;
 use cg_vehicle::twisting::RIGID_NM_PER_RAD;
+use cg_vehicle::wind::Wind;
 use cg_vehicle::{Load, Variant, Vehicle};
 use nalgebra::ComplexField;
 
 const SPEED_MPS: f64 = 13.9;
+const BOX: Wind = Wind { side_area_m2: 36.0, side_height_m: 2.4, speed_mps: 3.0 };
 
 fn euro(stiffness: Option<f64>) -> Vehicle {
     let mut vehicle = common::vehicle("euro.toml");
     vehicle.trailer.frame_torsional_stiffness_nm_per_rad = stiffness;
-    vehicle.trailer.axle[0].lift_m = Some(0.1); // of which nothing is then noted
+    // Of which nothing is then noted.
+    (vehicle.trailer.axle[0].lift_m, vehicle.wind) = (Some(0.1), Some(BOX));
     vehicle
 }
 
@@ -191,6 +194,7 @@ fn slopes_at_zero_slip_are_noted() {
     let mut vehicle = common::vehicle("kraz.toml");
     vehicle.trailer.frame_torsional_stiffness_nm_per_rad = Some(3e6);
     vehicle.trailer.axle[0].lift_m = Some(0.1);
+    vehicle.wind = Some(BOX);
     (vehicle.sensors.roll.behind_hitch_m, vehicle.sensors.accelerometer.behind_hitch_m) =
         (Some(7.7), Some(7.7));
     let noted = |vehicle: &Vehicle| -> Vec<_> {
@@ -211,6 +215,18 @@ fn slopes_at_zero_slip_are_noted() {
         tyre.lateral_force = None;
     }
     assert!(noted(&vehicle).is_empty());
+}
+
+/// The wind is in no interval of a file without `[wind]`.
+#[test]
+fn a_file_that_says_nothing_of_the_wind_has_a_note() {
+    let mut vehicle = euro(None);
+    let keys = |vehicle: &Vehicle| -> Vec<_> {
+        Assumption::of(vehicle).into_iter().map(|one| one.key).collect()
+    };
+    assert!(!keys(&vehicle).contains(&"wind"));
+    vehicle.wind = None;
+    assert!(keys(&vehicle).contains(&"wind"));
 }
 
 /// A note stands on what would change the height if it were otherwise, and on nothing else.
