@@ -76,8 +76,7 @@ impl SampleSum {
         ];
         let mut kinds = 0;
         for (k, (value, [least, greatest])) in signals.iter_mut().zip(LIMITS).enumerate() {
-            // Without a branch for each of them.
-            let is_plausible = (*value >= least) & (*value <= greatest);
+            let is_plausible = (least..=greatest).contains(value);
             kinds |= u32::from(is_plausible) << k;
             *value = if is_plausible { *value } else { f64::NAN };
         }
