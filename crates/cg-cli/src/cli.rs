@@ -233,7 +233,7 @@ pub(crate) struct SimulateArgs {
     /// be 0 with the printed equations
     #[arg(long, value_name = "Y", default_value_t = 0.0, allow_negative_numbers = true, value_parser = number)]
     pub(crate) payload_left_m: f64,
-    /// Mean speed of the wind on the trailer's body, m/s, with gusts of 15 %; for the nonlinear plant and a vehicle file with wind.side_area_m2
+    /// Mean speed of the wind on the trailer's body, m/s, with gusts of 15 %; for the nonlinear plant; the vehicle file needs the table `wind`
     #[arg(long, value_name = "W", default_value_t = 0.0, allow_negative_numbers = true, value_parser = not_negative)]
     pub(crate) wind_mps: f64,
     /// Where the wind comes from at the start, rad: 0 from ahead, 1.571 from the left
