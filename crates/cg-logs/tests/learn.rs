@@ -12,6 +12,7 @@ use cg_vehicle::design::design_with;
 use cg_vehicle::lift::LiftAxle;
 use cg_vehicle::linear::ratio_line;
 use cg_vehicle::sensor_places::Road;
+use cg_vehicle::wind::Wind;
 use cg_vehicle::{Load, Variant, Vehicle};
 
 const DAY_S: f64 = 86_400.0;
@@ -66,6 +67,33 @@ fn an_empty_trip_makes_the_other_logs_true() {
         errors.push(height_m / truth_m - 1.0);
     }
     assert!(rms(&errors) <= 0.01 && largest(&errors) <= 0.03, "{}", rms(&errors));
+}
+
+/// With the side of a box body, the trip's ratios are as much less certain as those of the same log in a calibration: by several
+/// percent, because the log is one turn.
+#[test]
+fn a_side_wind_is_in_the_ratios_of_trips_and_of_runs() {
+    let plain = vehicle("kraz.toml");
+    let mut boxed = plain.clone();
+    boxed.wind = Some(Wind { side_area_m2: 36.0, side_height_m: 2.4, speed_mps: 3.0 });
+    let place = Channel::LateralAcceleration.index();
+    let [without, with] = [plain, boxed].map(|truck| {
+        let options = EstimateOptions::default();
+        let (_, learned) = learned_by(&truck, "A_p00", options, |_| {});
+        let trip = learned.runs(&truck, 20.0)[0].ratio[place].unwrap();
+        let known = known().into_iter().find(|known| known.log.starts_with("A_p00")).unwrap();
+        let mut log = LogEstimator::new(&truck, options.with_file(&truck)).unwrap();
+        for row in known.rows() {
+            log.push(&row).unwrap();
+        }
+        [trip, log.identified().ratio[place].unwrap()].map(|ratio| ratio.sd / ratio.value)
+    });
+    // What the wind adds to that of the trip, and to that of the run.
+    let by_wind = [0, 1].map(|k| (with[k].powi(2) - without[k].powi(2)).sqrt());
+    println!("{by_wind:?}");
+    assert!(by_wind[1] > 0.02 && by_wind[1] < 0.2, "{by_wind:?}");
+    // Both refer to nearly the same speed and height.
+    assert!((by_wind[0] / by_wind[1] - 1.0).abs() < 0.1, "{by_wind:?}");
 }
 
 /// The empty trailer of this truck has 8684 kg. A scale that shows a little less has weighed the empty trailer.

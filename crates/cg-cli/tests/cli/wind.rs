@@ -1,5 +1,7 @@
 //! A side wind on the body that the vehicle file describes.
 
+use serde_json::Value;
+
 use crate::common::{Scratch, cg, estimate, fixture};
 use crate::run::{events, lines};
 
@@ -59,6 +61,24 @@ fn a_side_wind_is_in_the_interval_of_estimates_and_runs() {
     let again = replay(&log);
     let first = events(&again, "status").remove(0)["height_sd_m"].as_f64().unwrap();
     assert!((first / last - 1.0).abs() < 0.02, "{first} {last}");
+}
+
+/// The trip that `cg run` learns has the wind in its ratios, too.
+#[test]
+fn a_side_wind_is_in_the_ratios_of_a_trip() {
+    let scratch = Scratch::new();
+    let kraz = std::fs::read_to_string(fixture("vehicles/kraz.toml")).unwrap();
+    let log = fixture("logs/A_p00_v50_L.csv");
+    let sd = [("plain", kraz.clone()), ("boxed", kraz + SIDE)].map(|(name, text)| {
+        let truck = scratch.file(&format!("{name}.toml"), text);
+        let state = scratch.path(&format!("{name}.json"));
+        cg(&["run", "--csv", &log, "--vehicle", &truck, "--state", &state]).done();
+        let text = std::fs::read_to_string(&state).unwrap();
+        let state: Value = serde_json::from_str(text.lines().next().unwrap()).unwrap();
+        let ratio = &state["learned"]["trips"][0]["ratio"][1];
+        ratio["sd"].as_f64().unwrap() / ratio["value"].as_f64().unwrap()
+    });
+    assert!(sd[1] * sd[1] - sd[0] * sd[0] > 0.02 * 0.02, "{sd:?}");
 }
 
 #[test]
