@@ -11,6 +11,11 @@ const AIR_KG_PER_M3: f64 = 1.225;
 /// Force on a long box across the wind over dynamic pressure and side area.
 const ACROSS: f64 = 1.1;
 
+/// Standard deviation of the gusts of a wind over its mean speed: what is usual a few meters above open ground.
+pub const GUSTS: f64 = 0.15;
+/// The time for which a gust lasts, s.
+pub const GUST_S: f64 = 3.0;
+
 /// The side of the trailer's body, and the wind where the truck drives.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]

@@ -90,6 +90,7 @@ pub(crate) struct Session<W: Write> {
     pub(crate) tilts: Tilts,
     /// The noise of a roll rate whose integral is the roll angle.
     pub(crate) rated: Rated,
+    /// What a side wind makes of the ratios.
     pub(crate) windward: Windward,
     samples: u64,
     pub(crate) counters: Counters,

@@ -6,6 +6,7 @@
 
 use cg_core::{Channel, Design, Maneuver, Sample, Status};
 use cg_vehicle::side_wind::SideWind;
+use cg_vehicle::wind::{GUST_S, GUSTS};
 use serde::{Deserialize, Serialize};
 
 use super::tilts::height_sd_of_ratio_m;
@@ -14,10 +15,6 @@ use super::tilts::height_sd_of_ratio_m;
 const FADE_S: f64 = 2.0;
 /// Time between samples that says nothing of the heading between them, s.
 const GAP_S: f64 = 1.0;
-/// Standard deviation of gusts over the mean speed, and the time for which one lasts, s: what is usual a few meters above open
-/// ground.
-const GUSTS: f64 = 0.15;
-const GUST_S: f64 = 3.0;
 /// Share of the variance above which the wind is reported.
 const MUCH: f64 = 0.25;
 /// Least speed at which a lateral acceleration tells how fast the heading changes, m/s.
@@ -253,7 +250,9 @@ impl Windward {
             self.of_load = Gusts::default();
         }
         self.last = self.sums.gust();
-        if maneuver.outcomes.iter().any(|outcome| outcome.height_m.is_ok()) {
+        // Of a truck without a side, and of a crawling one, nothing was followed.
+        let has_path = self.sums.products[OFFSET][OFFSET] > 0.0;
+        if has_path && maneuver.outcomes.iter().any(|outcome| outcome.height_m.is_ok()) {
             self.of_load.push(self.last);
         }
         (self.sums, self.turns) = (Sums::default(), false);
@@ -320,7 +319,7 @@ fn path_mps2(sample: &Sample<f64>, design: &Design<f64>) -> Option<f64> {
 mod tests {
     use super::*;
     use crate::estimate::trial::{MASS_KG, design, maneuver};
-    use cg_core::Measured;
+    use cg_core::{Measured, Settings};
 
     const SPEED_MPS: f64 = 14.0;
     const STEP_S: f64 = 0.05;
@@ -351,6 +350,9 @@ mod tests {
     /// Written out: least squares over all samples with their weights, and all pairs of gusts.
     #[test]
     fn the_slope_of_the_wind_is_that_of_least_squares() {
+        let fade_s =
+            std::time::Duration::from_micros(Settings::<f64>::truck().fade_us).as_secs_f64();
+        assert!((fade_s - FADE_S).abs() < 1e-9);
         let mut windward = Windward::default();
         drive(&mut windward, 5_000_000, 1.0);
         windward.close(&with_height(), false);
@@ -418,7 +420,11 @@ mod tests {
         let without = both.of_load().ratio_sd((None, &design), Channel::Suspension, turn);
         assert!(without.abs() <= 0.0);
         let before = both.of_load();
+        drive(&mut both, 90_000_000, 1.0);
         both.close(&maneuver(), false);
+        assert_eq!(both.of_load(), before);
+        // Neither does one whose path was not followed: it would be averaged as one without a wind.
+        both.close(&with_height(), false);
         assert_eq!(both.of_load(), before);
         both.close(&maneuver(), true);
         assert!(both.of_load().is_none() && Windward::kept(before).of_load() == before);

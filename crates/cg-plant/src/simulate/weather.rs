@@ -5,11 +5,8 @@ use rand::rngs::StdRng;
 
 use super::scenario::Scenario;
 use crate::random::standard_normal;
+use cg_vehicle::wind::{GUST_S, GUSTS};
 
-/// Standard deviation of the gusts over the mean speed, and the time for which one lasts, s: what is usual a few meters above open
-/// ground.
-const GUSTS: f64 = 0.15;
-const GUST_S: f64 = 3.0;
 /// Another stream of random numbers than those of sensors and drive.
 const STREAM: u64 = 0x7769_6e64;
 
