@@ -127,7 +127,8 @@ windows: cg port-tools
 	$(call wine-ready,target/ports/$(WINDOWS)/debug)
 	$(COMPARE) target/debug/cg $(WINE) target/ports/$(WINDOWS)/debug/cg.exe
 
-WINE := env WINEPREFIX=$(CURDIR)/target/wine WINEDEBUG=-all wine
+# Wine's debugger outlives a crash, and gives the program that crashed the exit status 0.
+WINE := env WINEPREFIX=$(CURDIR)/target/wine WINEDEBUG=-all WINEDLLOVERRIDES=winedbg.exe=d wine
 # The first start of Wine makes its folder and says so, which is no answer of the program.
 wine-ready = $(WINE) wineboot --init 2>/dev/null && x86_64-w64-mingw32-gcc -shared -Wall -Werror -o $(1)/bcryptprimitives.dll ports/bcryptprimitives.c -ladvapi32
 

@@ -100,19 +100,30 @@ def ended(command: list[str], folder: Path) -> subprocess.CompletedProcess[bytes
     """Run a command in a folder until it ends by itself.
 
     Wine 8 kills one in thirty programs that have a second thread (here the one for Ctrl-C) while they end, in place of
-    that thread. On a busy machine it may also lose its own server, and says so on the program's standard error. Such a
-    command is run again in the folder as it was; seven times in a row are no accident (1 in 3e10).
+    that thread. On a busy machine that thread may also find its memory gone, or Wine loses its own server; both are
+    said on the program's standard error. Such a command is run again in the folder as it was; seven times in a row are
+    no accident (1 in 3e10).
     """
     before = {path: path.read_bytes() for path in folder.iterdir()}
     for _ in range(7):
         done = subprocess.run(command, cwd=folder, capture_output=True, timeout=600, stdin=subprocess.DEVNULL)
-        if done.returncode != -signal.SIGKILL and b"wine client error:" not in done.stderr:
+        if done.returncode != -signal.SIGKILL and not failed_itself(done):
             break
         for path in folder.iterdir():
             path.unlink()
         for path, data in before.items():
             path.write_bytes(data)
     return done
+
+
+def failed_itself(done: subprocess.CompletedProcess[bytes]) -> bool:
+    """Whether Wine failed, not the program: it lost its server, or a thread of a program that ended as it should.
+
+    Without Wine's debugger, a program that crashes before its end has an exit status that `cg` never has (5 for memory
+    that is not there).
+    """
+    lost_thread = done.returncode in (0, 1, 2) and b"wine: Unhandled" in done.stderr
+    return lost_thread or b"wine client error:" in done.stderr
 
 
 def content(path: Path) -> bytes:
