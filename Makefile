@@ -26,7 +26,7 @@ SUDO := $(shell [ "$$(id -u)" = 0 ] || echo sudo)
 # a folder of its own. Packages are installed beside the first build. The guest has to keep up with a bus, so only the tests in
 # Rust run beside it, and yield to it and to what is still built.
 test: tools fmt
-	$(MAKE) --jobs=4 --output-sync=target $(PARTS)
+	$(MAKE) --jobs=6 --output-sync=target $(PARTS)
 	@echo "all checks passed"
 
 # Those that the others need come first, then the longest ones.

@@ -6,7 +6,7 @@ use crate::common;
 use cg_core::Design;
 use cg_logs::calibrate::{CalibrateOptions, KnownLoad, KnownLog, calibrate};
 use cg_logs::estimate::{EstimateOptions, LogEstimate, LogEstimator, QUANTILE_95};
-use cg_logs::log::{LogOptions, LogRow, Preparation, Signal};
+use cg_logs::log::{LogOptions, LogRow, Preparation, Rasters, Signal};
 use cg_plant::maneuver::Maneuver;
 use cg_plant::sensors::Sensors;
 use cg_plant::simulate::{LogSimulation, Plant, Scenario};
@@ -62,7 +62,8 @@ fn estimate(design: &Design<f64>, vehicle: &Vehicle, rows: &[LogRow]) -> LogEsti
     let signals: Vec<Signal> = Signal::ALL.into_iter().filter(has).collect();
     let options = EstimateOptions::default().with_file(vehicle);
     let mut estimator = LogEstimator::from_design(design, vehicle.align_settings(), options);
-    let mut preparation = Preparation::of(&signals, rows, &LogOptions::default()).unwrap();
+    let rasters = Rasters::of(rows.iter().copied());
+    let mut preparation = Preparation::of(&signals, &rasters, &LogOptions::default()).unwrap();
     for (line, row) in (0..).zip(rows) {
         preparation.push(line, *row);
         while let Some((_, row)) = preparation.next_row() {

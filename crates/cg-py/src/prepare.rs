@@ -1,6 +1,6 @@
 //! `prepare`: tables whose rows are no samples yet.
 
-use cg_logs::log::{LogOptions, LogRow, Plausibility, Preparation};
+use cg_logs::log::{LogOptions, LogRow, Plausibility, Preparation, Rasters};
 use cg_vehicle::Variant;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -29,9 +29,8 @@ pub(crate) fn prepare<'py>(
         Some(plausibility) => columns.believed(index, &quantities, plausibility),
         None => columns.checked(index),
     };
-    let beginning: Vec<LogRow> = (0..columns.rows().min(Preparation::LOOK))
-        .map_while(|index| row(index, &mut plausibility.clone()).ok())
-        .collect();
+    let mut looking = plausibility.clone();
+    let rasters = Rasters::of((0..columns.rows()).map_while(|index| row(index, &mut looking).ok()));
     let options = match vehicle.map(Bound::get) {
         Some(vehicle) => {
             let variant = Variant::Complete; // scales are those of any
@@ -40,7 +39,7 @@ pub(crate) fn prepare<'py>(
         None => Ok(LogOptions::default()),
     };
     let options = options.map_err(vehicle_error)?;
-    let Some(mut preparation) = Preparation::of(&columns.signals(), &beginning, &options) else {
+    let Some(mut preparation) = Preparation::of(&columns.signals(), &rasters, &options) else {
         return Ok(None);
     };
     let mut prepare = || -> Result<Vec<LogRow>, String> {

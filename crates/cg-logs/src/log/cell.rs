@@ -31,8 +31,8 @@ impl From<&Column> for Slot {
 pub(super) struct Writing {
     pub(super) delimiter: u8,
     decimal: Option<u8>,
-    /// Whether a row has had numbers with many digits or an exponent.
-    pub(super) has_long_numbers: bool,
+    /// The signals that have had numbers with many digits or an exponent, a bit for each.
+    pub(super) long: u64,
 }
 
 impl Writing {
@@ -45,7 +45,7 @@ impl Writing {
     /// A comma that separates fields is no decimal sign.
     pub(super) fn new(delimiter: u8) -> Self {
         let decimal = (delimiter == b',').then_some(b'.');
-        Self { delimiter, decimal, has_long_numbers: false }
+        Self { delimiter, decimal, long: 0 }
     }
 
     /// Learns from a number with a decimal point, in a file that may have decimal commas. Returns

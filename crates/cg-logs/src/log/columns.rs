@@ -131,7 +131,10 @@ impl Header<'_> {
     /// with a unit in brackets or in the row below.
     fn recognize(&mut self, index: usize) -> Result<(), LogError> {
         let heading = &self.names[index];
-        let suffixed = heading.name.rsplit_once('_').and_then(|(stem, suffix)| {
+        // The end of `roll_rate` is no unit of `roll`.
+        let whole = heading.bare().parse::<Signal>().is_ok();
+        let suffixed = heading.name.rsplit_once('_').filter(|_| !whole);
+        let suffixed = suffixed.and_then(|(stem, suffix)| {
             let signal = stem.parse::<Signal>().ok()?;
             Some((signal, signal.unit(suffix), true))
         });

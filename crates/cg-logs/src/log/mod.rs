@@ -7,7 +7,7 @@
 //! | cells | `numbers`, `cell`, `clock`, `quoted` | reads numbers and points in time; splits rows with quotes |
 //! | rows | `rows`, `batches`, `frames` | reads CSV, parquet or CAN frames; skips comments |
 //! | signals | `heading`, `columns`, `options`, `signal` | finds columns, converts units, reverses signs |
-//! | samples | `roll_rate`, `preparation` | aligns channels of different rasters; roll angles from a roll rate |
+//! | samples | `beginning`, `roll_rate`, `preparation` | aligns channels of different rasters; roll angles from a roll rate |
 //! | values | `plausibility` | drops values that the truck cannot have, and counts them |
 //! | log | `reader`, `writer`, `candump`, `frame_text` | checks time and values; the public interface |
 //!
@@ -53,11 +53,13 @@ mod rows;
 mod source;
 mod frame_text;
 mod roll_rate;
-mod preparation;
 mod plausibility;
+mod beginning;
+mod preparation;
 mod reader;
 mod writer;
 
+pub use beginning::Rasters;
 pub use candump::CandumpWriter;
 pub use error::{ColumnName, LogError, Place, Position};
 pub use frame_text::FrameText;

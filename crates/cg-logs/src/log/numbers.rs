@@ -23,19 +23,36 @@ pub(super) fn read_numbers(
     read_fields(text, delimiter, plan, |slot, field| slot.take(decimal(field)?, values))
 }
 
-/// The same for any finite numbers.
+const _: () = assert!(Signal::COUNT <= u64::BITS as usize, "a bit for each signal");
+
+/// The same for any finite numbers. The signals that have had other numbers have their bits in `long`. A column that has had
+/// one has nearly only such numbers.
 #[inline(never)]
 pub(super) fn read_any_numbers(
     text: &[u8],
     delimiter: u8,
     plan: &[Option<Slot>],
+    long: &mut u64,
     values: &mut [f64; Signal::COUNT],
 ) -> Option<usize> {
     read_fields(text, delimiter, plan, |slot, field| {
-        let is_whole =
-            |(_, length): &(f64, usize)| !matches!(field.get(*length), Some(b'e' | b'E'));
-        slot.take(decimal(field).filter(is_whole).or_else(|| general(field))?, values)
+        let bit = 1 << slot.signal;
+        let number = if *long & bit == 0 {
+            short(field).or_else(|| {
+                *long |= bit;
+                general(field)
+            })
+        } else {
+            general(field).or_else(|| short(field))
+        };
+        slot.take(number?, values)
     })
+}
+
+/// A [`decimal`] without an exponent behind it.
+#[inline]
+fn short(field: &[u8]) -> Option<(f64, usize)> {
+    decimal(field).filter(|(_, length)| !matches!(field.get(*length), Some(b'e' | b'E')))
 }
 
 /// Reads the row at the beginning of `text` with `read`, which returns the length of a planned field. Returns that of the row.
@@ -258,8 +275,12 @@ mod tests {
             let line = format!("{}{ending}\n", row.join(";"));
             let text = format!("{line}{:AHEAD$}", "");
             let [mut fast, mut slow] = [[0.0; Signal::COUNT]; 2];
-            for read in [read_numbers, read_any_numbers] {
-                let Some(length) = read(text.as_bytes(), b';', &plan, &mut fast) else { continue };
+            for long in [None, Some(0), Some(u64::MAX)] {
+                let length = match long {
+                    None => read_numbers(text.as_bytes(), b';', &plan, &mut fast),
+                    Some(mut long) => read_any_numbers(text.as_bytes(), b';', &plan, &mut long, &mut fast),
+                };
+                let Some(length) = length else { continue };
                 prop_assert_eq!(length + 1, line.len());
                 let mut writing = Writing::new(b';');
                 let cells = line.trim_end();
@@ -321,9 +342,10 @@ mod tests {
             "1.7976931348623157e308",
         ] {
             let text = format!("{cell},{cell}\n{:AHEAD$}", "");
-            let mut values = [0.0; Signal::COUNT];
-            let length = read_any_numbers(text.as_bytes(), b',', &plan, &mut values);
+            let (mut long, mut values) = (1 << Signal::Time as u64, [0.0; Signal::COUNT]);
+            let length = read_any_numbers(text.as_bytes(), b',', &plan, &mut long, &mut values);
             assert_eq!(length, Some(2 * cell.len() + 1), "{cell}");
+            assert_eq!(long, (1 << Signal::Time as u64) | (1 << Signal::Roll as u64));
             let known = cell.parse::<f64>().unwrap().to_bits();
             let found =
                 [Signal::Time, Signal::Roll].map(|signal| values[signal as usize].to_bits());
@@ -332,7 +354,8 @@ mod tests {
         for cell in ["nan", "inf", "-inf", "1e999", "+1", "1e", "0x1", "-", "1_0", " 1"] {
             let text = format!("{cell},1\n{:AHEAD$}", "");
             let mut values = [0.0; Signal::COUNT];
-            assert_eq!(read_any_numbers(text.as_bytes(), b',', &plan, &mut values), None, "{cell}");
+            let length = read_any_numbers(text.as_bytes(), b',', &plan, &mut 0, &mut values);
+            assert_eq!(length, None, "{cell}");
         }
     }
 

@@ -3,28 +3,11 @@
 
 use std::collections::VecDeque;
 
+use super::beginning::{ROLLS, Rasters};
 use super::frames::FrameRows;
 use super::options::LogOptions;
 use super::roll_rate::RollAngles;
 use super::signal::{LogRow, Signal};
-
-/// Roll angles, which give the rows of aligned channels, and what they are compared with.
-const ROLLS: [Signal; 6] = [
-    Signal::Roll,
-    Signal::RollToGravity,
-    Signal::Tilt,
-    Signal::SuspensionRoll,
-    Signal::LevelLeft,
-    Signal::TractorSuspensionRoll,
-];
-const INPUTS: [Signal; 6] = [
-    Signal::Steer,
-    Signal::SteeringWheel,
-    Signal::LateralAcceleration,
-    Signal::LateralSpecificForce,
-    Signal::YawRate,
-    Signal::TractorLateralSpecificForce,
-];
 
 /// Rows of a table on their way to samples.
 pub struct Preparation {
@@ -38,14 +21,11 @@ pub struct Preparation {
 }
 
 impl Preparation {
-    /// Number of rows from which it is decided whether the channels have rasters of their own.
-    pub const LOOK: usize = 500;
-
-    /// What a table needs that has these signals and begins with these rows; `None` if its rows are
-    /// samples already and nothing has to be said about them.
-    pub fn of(signals: &[Signal], beginning: &[LogRow], options: &LogOptions) -> Option<Self> {
+    /// What a table with these signals and rasters needs; `None` if its rows are samples already and nothing
+    /// has to be said about them.
+    pub fn of(signals: &[Signal], rasters: &Rasters, options: &LogOptions) -> Option<Self> {
         let has = |signal: &Signal| signals.contains(signal);
-        let rasters = of_different_rasters(beginning).then(|| FrameRows::new(options));
+        let rasters = rasters.differ().then(|| FrameRows::new(options));
         // A tilt feels the lateral acceleration and is no angle to blend with.
         let other = ROLLS.into_iter().find(|roll| has(roll) && !is_angle(*roll));
         let other = other.filter(|_| !ROLLS.into_iter().any(|roll| has(&roll) && is_angle(roll)));
@@ -139,12 +119,4 @@ impl Preparation {
 
 fn is_angle(signal: Signal) -> bool {
     matches!(signal, Signal::Roll | Signal::RollToGravity)
-}
-
-/// Whether fewer than half of the rows with a roll angle have an input too, though both occur.
-fn of_different_rasters(rows: &[LogRow]) -> bool {
-    let has = |row: &LogRow, signals: &[Signal]| signals.iter().any(|s| !row.get(*s).is_nan());
-    let rolls = rows.iter().filter(|row| has(row, &ROLLS));
-    let both = rolls.clone().filter(|row| has(row, &INPUTS)).count();
-    rows.iter().any(|row| has(row, &INPUTS)) && 2 * both < rolls.count()
 }

@@ -7,6 +7,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use super::batches::Batches;
+use super::beginning::Beginning;
 use super::columns::Column;
 use cg_core::Quantity;
 use cg_vehicle::scales::Scale;
@@ -49,6 +50,8 @@ pub struct LogReader {
     /// What the truck can have, if it is known.
     plausibility: Option<Plausibility>,
     preparation: Option<Preparation>,
+    /// Rows that were read before they are given, until one is read after them.
+    beginning: Option<Box<Beginning>>,
     /// The row that was given last and its line, if rows are prepared.
     given: Option<(u64, LogRow)>,
     /// Whether the rows of the file are at their end.
@@ -75,19 +78,28 @@ impl LogReader {
     ///
     /// The file cannot be opened or read, or its header is not valid.
     pub fn open(path: &Path, options: &LogOptions) -> Result<Self, LogError> {
-        let log = Self::unprepared(path, options)?;
-        if log.is_of_frames() || log.total_bytes.is_none() {
-            return Ok(log.prepared(&[], options));
+        let mut log = Self::unprepared(path, options)?;
+        if !log.is_of_frames() && log.total_bytes.is_some() {
+            log.look(options);
         }
-        // Another reader looks at the beginning. Its errors are those of this reader later.
-        let beginning =
-            Self::unprepared(path, options)?.map_while(Result::ok).take(Preparation::LOOK);
-        Ok(log.prepared(&beginning.collect::<Vec<_>>(), options))
+        Ok(log.prepared(options))
     }
 
-    fn prepared(mut self, beginning: &[LogRow], options: &LogOptions) -> Self {
+    /// Reads the first rows. They, and what ended them, are given later.
+    fn look(&mut self, options: &LogOptions) {
+        let mut beginning = Box::new(Beginning::new(options));
+        while beginning.is_open() {
+            let more = self.read();
+            beginning.push(more, self.body.position(), &self.quantities, &self.values);
+        }
+        self.beginning = Some(beginning);
+    }
+
+    fn prepared(mut self, options: &LogOptions) -> Self {
         if !self.is_of_frames() {
-            self.preparation = Preparation::of(&self.signals, beginning, options);
+            let rasters = self.beginning.as_ref().map(|rows| rows.rasters().clone());
+            let rasters = rasters.unwrap_or_default();
+            self.preparation = Preparation::of(&self.signals, &rasters, options);
         }
         if let Some(preparation) = &self.preparation {
             self.signals = preparation.signals(&self.signals).into();
@@ -137,7 +149,7 @@ impl LogReader {
             return Err(LogError::ParquetStream { place: place() });
         }
         let body = text_body(name, sniffed, options)?;
-        Ok(Self::new(body, options, taken_bytes, None).prepared(&[], options))
+        Ok(Self::new(body, options, taken_bytes, None).prepared(options))
     }
 
     fn new(
@@ -153,6 +165,7 @@ impl LogReader {
             values: [f64::NAN; Signal::COUNT],
             plausibility: options.settings.map(Plausibility::new),
             preparation: None,
+            beginning: None,
             given: None,
             at_end: false,
             previous_s: f64::NEG_INFINITY,
@@ -240,13 +253,31 @@ impl LogReader {
 
     #[inline]
     fn advance_body(&mut self) -> Result<bool, LogError> {
+        let looked_at = self.beginning.as_mut().and_then(|rows| rows.next(&mut self.values));
+        let more = looked_at.unwrap_or_else(|| {
+            self.beginning = None;
+            self.read()
+        });
+        if !matches!(more, Ok(true)) {
+            return self.stopped(more);
+        }
+        if let Some(plausibility) = &mut self.plausibility {
+            let position = || position(&self.body, self.beginning.as_deref());
+            plausibility.check(&self.quantities, &mut self.values, position);
+        }
+        Ok(true)
+    }
+
+    /// Reads the next row of the file and checks its time and its standard deviation.
+    #[inline]
+    fn read(&mut self) -> Result<bool, LogError> {
         let more = match &mut self.body {
             Body::Text(rows) => rows.read(&mut self.values),
             Body::Parquet(batches) => batches.read(&mut self.values),
             Body::Can(frames) => frames.read(&mut self.values),
         };
         if !matches!(more, Ok(true)) {
-            return self.stopped(more);
+            return more;
         }
         if !std::mem::replace(&mut self.begun, true) && self.preparation.is_none() {
             // A row of units may have said more than the header.
@@ -259,17 +290,11 @@ impl LogReader {
         let previous_s = std::mem::replace(&mut self.previous_s, time_s);
         let mass_sd_kg = self.values[Signal::TrailerMassSd as usize];
         if time_s > previous_s && mass_sd_kg < 0.0 {
-            let error = self.negative_sd(mass_sd_kg);
-            self.stopped(Err(error))
+            Err(self.negative_sd(mass_sd_kg))
         } else if time_s > previous_s {
-            if let Some(plausibility) = &mut self.plausibility {
-                let body = &self.body;
-                plausibility.check(&self.quantities, &mut self.values, || body.position());
-            }
             Ok(true)
         } else {
-            let error = self.bad_time(time_s, previous_s);
-            self.stopped(Err(error))
+            Err(self.bad_time(time_s, previous_s))
         }
     }
 
@@ -344,7 +369,7 @@ impl LogReader {
         if let Some((line, _)) = self.given {
             return line;
         }
-        match self.body.position() {
+        match position(&self.body, self.beginning.as_deref()) {
             Position::Line(number) | Position::Row(number) => number,
             Position::File => 0,
         }
@@ -439,6 +464,11 @@ impl Body {
             Self::Can(frames) => frames.place(),
         }
     }
+}
+
+/// Where the row is that was given last.
+fn position(body: &Body, beginning: Option<&Beginning>) -> Position {
+    beginning.map_or_else(|| body.position(), Beginning::position)
 }
 
 fn text_body<R: Read + Send + 'static>(

@@ -109,17 +109,17 @@ impl Rows {
             return false;
         }
         let (text, delimiter) = (self.lines.ahead(), self.writing.delimiter);
-        let mut length = None;
-        if !self.writing.has_long_numbers {
+        let (mut length, mut long) = (None, self.writing.long);
+        if long == 0 {
             length = read_numbers(text, delimiter, &self.plan, values);
         }
         if length.is_none() {
-            length = read_any_numbers(text, delimiter, &self.plan, values);
-            self.writing.has_long_numbers |= length.is_some();
+            length = read_any_numbers(text, delimiter, &self.plan, &mut long, values);
         }
         if !length.is_some_and(|length| self.lines.skip(length)) {
             return false;
         }
+        self.writing.long = long;
         self.line = self.lines.number();
         self.looks = 0;
         true

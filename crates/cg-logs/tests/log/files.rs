@@ -179,3 +179,48 @@ fn a_row_is_given_as_soon_as_its_line_is_whole() {
     drop(writing);
     assert!(log.next_row().unwrap().is_none());
 }
+
+/// What a reader gives, one after the other: rows, errors and findings, each with the line reached.
+fn given(mut log: LogReader) -> Vec<String> {
+    let mut all = vec![format!("{:?}", log.signals())];
+    while all.len() < 2000 {
+        let row = log.next_row();
+        let over = matches!(row, Ok(None));
+        let row = row.map_err(|error| error.to_string());
+        all.push(format!("{} {row:?} {:?}", log.line(), log.news()));
+        if over {
+            break;
+        }
+    }
+    all
+}
+
+/// The first rows of a file are looked at before they are given; nothing of it shows.
+#[test]
+fn a_file_gives_what_a_stream_of_its_bytes_gives() {
+    let settings = Some(AlignSettings::NONE);
+    let options = LogOptions { settings, ..LogOptions::default() };
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("drive.csv");
+    let head = "time_s,steer_rad,roll_rad\n";
+    for bytes in [
+        steady(700).into_bytes(),
+        format!("{}x\n{}", steady(3), "900,0.1,0.2\n").into_bytes(),
+        format!("{}1,0,0\n900,-45,0.2\n901,0.1,7\n902,,\n", steady(700)).into_bytes(),
+        format!("{head}0,-45,0\n\n1,0.1,7\n2,0.1,0.1\n2,0,0\n# 3\n3,0.1,0.2").into_bytes(),
+        "time,steer,roll,lateral_acceleration\ns,rad,deg,m/s^2\n0,1,2,3\n1,2,3,4\n".into(),
+        head.into(),
+        gzip(format!("{}0,x,1\n900,1,1\n", steady(20))),
+        gzip(steady(20))[..60].to_vec(),
+    ] {
+        fs::write(&path, &bytes).unwrap();
+        let file = LogReader::open(&path, &options).unwrap();
+        let name = path.display().to_string();
+        let stream = LogReader::from_reader(&name, Box::new(io::Cursor::new(bytes)), &options);
+        let (file, stream) = (given(file), given(stream.unwrap()));
+        assert_eq!(file.len(), stream.len());
+        for (one, other) in file.iter().zip(&stream).skip(1) {
+            assert_eq!(one, other);
+        }
+    }
+}

@@ -19,6 +19,29 @@ fn units_may_stand_in_brackets_or_in_a_row_of_their_own() {
     }
 }
 
+/// Also one whose name begins with that of another signal, as `roll_rate`.
+#[test]
+fn every_signal_may_have_its_unit_beside_its_name() {
+    let units = Signal::ALL.map(|signal| {
+        let column = signal.column();
+        column[signal.name().len() + 1..].to_owned()
+    });
+    let names = Signal::ALL.map(Signal::name);
+    let brackets = names.iter().zip(&units).map(|(name, unit)| format!("{name} [{unit}]"));
+    let brackets = brackets.collect::<Vec<_>>().join(",");
+    let below = format!("{}\n{}", names.join(","), units.join(","));
+    let values = ["1"; Signal::COUNT].join(",");
+    for header in [brackets, below] {
+        let mut log = open(format!("{header}\n{values}\n"), &LogOptions::default()).unwrap();
+        let row = log.next_row().unwrap().unwrap();
+        for signal in Signal::ALL {
+            assert!(log.has(signal) && row.get(signal) == 1.0, "{signal}: {header}");
+        }
+    }
+    refused("time_s,steer_rad,roll_rad,roll_rate\n0,0,0,0\n", &["`roll_rate`", "radps, degps"]);
+    refused("time_s,steer_rad,roll_rate [kg]\n0,0,0\n", &["`roll_rate [kg]`", "radps, degps"]);
+}
+
 #[test]
 fn the_unit_of_the_file_holds_for_a_named_column_unless_another_is_given() {
     let csv = "Clock;Wheel;Gyro\nms;deg;deg\n500;90;90\n";

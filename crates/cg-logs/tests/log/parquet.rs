@@ -115,7 +115,8 @@ fn parquet_is_streamed_and_counts_its_rows_and_bytes() {
     save(&path, &names.map(|name| (name, "double", ramp())));
     let mut log = LogReader::open(&path, &LogOptions::default()).unwrap();
     let size = fs::metadata(&path).unwrap().len();
-    assert_eq!((log.bytes_read(), log.total_bytes()), (0, Some(size)));
+    // Of the 20 000 rows, 250 have been looked at.
+    assert!(log.bytes_read() <= size / 80 && log.total_bytes() == Some(size));
     for k in 0..20_000_u32 {
         let row = log.next_row().unwrap().unwrap();
         assert_eq!((row.time_s, row.tilt_rad, log.line()), (k.into(), k.into(), u64::from(k) + 1));
