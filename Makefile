@@ -23,7 +23,7 @@ SUDO := $(shell [ "$$(id -u)" = 0 ] || echo sudo)
 
 # The program, the Python package and the tests are one build, that of the dev profile, and each part of it is made once. The
 # tests of one part run while another part is built. Cargo builds in one folder at a time, so what can be built beside that has
-# a folder of its own. Packages are installed beside the first build. The guest has to keep up with a bus, so only the tests in
+# a folder of its own; up to four parts wait for their turn there. Packages are installed beside the first build. The guest has to keep up with a bus, so only the tests in
 # Rust run beside it, and yield to it and to what is still built.
 test: tools fmt
 	$(MAKE) --jobs=6 --output-sync=target $(PARTS)
