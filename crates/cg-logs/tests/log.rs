@@ -247,12 +247,16 @@ fn a_number_that_cannot_be_is_absent_and_told() {
 
 /// The remarks about a table of two seconds with this header, whose rows have these values in turn.
 fn remarks_of(header: &str, rows: &[&str]) -> Vec<String> {
+    remarks_with(&LogOptions::default(), header, rows)
+}
+
+fn remarks_with(options: &LogOptions, header: &str, rows: &[&str]) -> Vec<String> {
     let rows = rows.iter().cycle().take(200).enumerate();
     let rows = rows.map(|(k, row)| format!("{},{row}\n", k * 10));
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("log.csv");
     std::fs::write(&path, format!("time_ms,{header}\n{}", rows.collect::<String>())).unwrap();
-    let mut log = LogReader::open(&path, &LogOptions::default()).unwrap();
+    let mut log = LogReader::open(&path, options).unwrap();
     assert!(log.by_ref().map(Result::unwrap).count() >= 99, "{header}");
     log.remarks()
 }
@@ -280,6 +284,19 @@ fn a_roll_rate_is_used_or_told_not_to_be() {
     // A row has a roll angle or an input.
     let remarks = remarks_of("roll_rad,roll_rate_radps,steer_rad", &["0,0,", ",,0"]);
     assert!(remarks[1].contains("roll_rate is not used: it needs a table"), "{remarks:?}");
+}
+
+/// Numbers that stand for no value between those of a slower channel do not give it the raster of the roll angle.
+#[test]
+fn a_number_that_cannot_be_belongs_to_no_raster() {
+    let (header, rows) = ("steer_rad,roll_rad", ["0.1,0.02", "-45,0.02", "-45,0.02"]);
+    let settings = Some(AlignSettings::NONE);
+    let aligned = |options: &LogOptions| {
+        let remarks = remarks_with(options, header, &rows);
+        remarks.iter().any(|remark| remark.contains("time stamps of their own"))
+    };
+    assert!(aligned(&LogOptions { settings, ..LogOptions::default() }));
+    assert!(!aligned(&LogOptions::default()));
 }
 
 /// The vehicle file's range of masses detects an impossible value of a scale.

@@ -80,18 +80,19 @@ pub(super) struct Beginning {
     plausibility: Option<Plausibility>,
     rows: VecDeque<(Position, [f64; Signal::COUNT])>,
     end: Option<(Position, Result<bool, LogError>)>,
-    /// That of what was given last.
+    /// The position of what was given last.
     position: Position,
 }
 
 impl Beginning {
-    pub(super) fn new(options: &LogOptions) -> Self {
+    /// The beginning of a table whose header ends at this position.
+    pub(super) fn new(options: &LogOptions, position: Position) -> Self {
         Self {
             rasters: Rasters::default(),
             plausibility: options.settings.map(Plausibility::new),
             rows: VecDeque::new(),
             end: None,
-            position: Position::File,
+            position,
         }
     }
 
@@ -138,7 +139,7 @@ impl Beginning {
         Some(end)
     }
 
-    /// Where that is what was given last.
+    /// The position of what was given last.
     pub(super) fn position(&self) -> Position {
         self.position
     }

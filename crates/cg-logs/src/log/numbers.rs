@@ -25,8 +25,8 @@ pub(super) fn read_numbers(
 
 const _: () = assert!(Signal::COUNT <= u64::BITS as usize, "a bit for each signal");
 
-/// The same for any finite numbers. The signals that have had other numbers have their bits in `long`. A column that has had
-/// one has nearly only such numbers.
+/// The same for any finite numbers. Signals that have had longer numbers have their bits in `long`: a column with one of them
+/// usually has many.
 #[inline(never)]
 pub(super) fn read_any_numbers(
     text: &[u8],

@@ -87,7 +87,7 @@ impl LogReader {
 
     /// Reads the first rows. They, and what ended them, are given later.
     fn look(&mut self, options: &LogOptions) {
-        let mut beginning = Box::new(Beginning::new(options));
+        let mut beginning = Box::new(Beginning::new(options, self.body.position()));
         while beginning.is_open() {
             let more = self.read();
             beginning.push(more, self.body.position(), &self.quantities, &self.values);
@@ -466,7 +466,7 @@ impl Body {
     }
 }
 
-/// Where the row is that was given last.
+/// The position of the row that was given last.
 fn position(body: &Body, beginning: Option<&Beginning>) -> Position {
     beginning.map_or_else(|| body.position(), Beginning::position)
 }
