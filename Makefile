@@ -18,7 +18,7 @@ SUDO := $(shell [ "$$(id -u)" = 0 ] || echo sudo)
 .PHONY: test tools packages browser fmt lint package rust rust-build rust-statistics docs \
   firmware firmware-tools firmware-budgets cg guest guest-image guest-tools venv python notebook bench-short \
   dist dist-clean dist-crates dist-program dist-arm dist-windows dist-deb dist-python dist-c dist-firmware semver deny msrv \
-  windows windows-build arm armhf armhf-build macos deb port-tools arm-tools armhf-tools \
+  windows arm armhf macos deb port-tools arm-tools armhf-tools \
   fuzz fuzz-tools mutants mutants-short mutants-decisions mutants-tool soak rollover-table bench demo clean
 
 # The program, the Python package and the tests are one build, that of the dev profile, and each part of it is made once. The
@@ -119,18 +119,14 @@ arm: cg arm-tools
 	$(COMPARE) --quick target/debug/cg qemu-aarch64 target/ports/$(ARM64)/debug/cg
 
 # ARM with 32 bits.
-armhf: cg armhf-build
+armhf: cg armhf-tools
+	$(PORT) --target $(ARMHF)
 	$(COMPARE) --quick target/debug/cg qemu-arm target/ports/$(ARMHF)/debug/cg
 
-armhf-build: armhf-tools
-	$(PORT) --target $(ARMHF)
-
-windows: cg windows-build
+windows: cg port-tools
+	$(PORT) --target $(WINDOWS)
 	$(call wine-ready,target/ports/$(WINDOWS)/debug)
 	$(COMPARE) target/debug/cg $(WINE) target/ports/$(WINDOWS)/debug/cg.exe
-
-windows-build: port-tools
-	$(PORT) --target $(WINDOWS)
 
 # Wine's debugger outlives a crash, and gives the program that crashed the exit status 0.
 WINE := env WINEPREFIX=$(CURDIR)/target/wine WINEDEBUG=-all WINEDLLOVERRIDES=winedbg.exe=d wine
