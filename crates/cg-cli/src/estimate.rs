@@ -1,6 +1,5 @@
 //! `cg estimate`: heights from logs, in parallel, with memory that does not depend on their length.
 
-use std::collections::HashMap;
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 
@@ -10,11 +9,9 @@ use cg_logs::estimate::{EstimateOptions, LogEstimate, LogEstimator, Verdict};
 use cg_logs::log::{LogOptions, LogReader, LogRow};
 use cg_logs::output::{Draft, Files, Kind, Target};
 use cg_logs::report::{self, Entry, Trace};
-use cg_vehicle::files;
 use cg_vehicle::scales::Scale;
 use indicatif::{ProgressBar, ProgressStyle};
 use rayon::prelude::*;
-use serde::Deserialize;
 
 use crate::answer::Answer;
 use crate::args::ColumnArgs;
@@ -23,6 +20,7 @@ use crate::cli::EstimateArgs;
 use crate::flags;
 use crate::outcome::{Outcome, error_message, print_error};
 use crate::sink;
+use crate::truth::Truth;
 
 /// Number of rows between two updates of the progress bar.
 const ROWS_PER_TICK: u32 = 8192;
@@ -261,63 +259,4 @@ fn progress_bar(logs: &[PathBuf]) -> ProgressBar {
     let bytes = logs.iter().filter_map(|log| Some(log.metadata().ok()?.len())).sum();
     let style = ProgressStyle::with_template("{bar:40} {bytes}/{total_bytes} {eta}");
     ProgressBar::new(bytes).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
-}
-
-/// Known heights by the file name of the log, or that of the only log.
-enum Truth {
-    Of(HashMap<String, f64>),
-    OfAll(f64),
-}
-
-/// What `cg simulate --truth` writes beside one log.
-#[derive(Deserialize)]
-struct Simulated {
-    height_m: f64,
-}
-
-#[derive(Deserialize)]
-struct KnownLog {
-    log: String,
-    height_m: f64,
-}
-
-impl Truth {
-    /// Reads the truth of these logs.
-    fn load(path: &Path, logs: &[PathBuf]) -> anyhow::Result<Self> {
-        let file = path.display();
-        let text = files::read_text(path, files::TABLE_BYTES)
-            .with_context(|| format!("{file}: cannot be read; check the path given to --truth"))?;
-        let expected = || {
-            format!(
-                "{file}: expected a JSON list of objects with \"log\" and \"height_m\", or the file that \
-                 cg simulate --truth writes"
-            )
-        };
-        if !text.trim_start().starts_with('{') {
-            let known: Vec<KnownLog> = serde_json::from_str(&text).with_context(expected)?;
-            let height = |one: KnownLog| (file_name(Path::new(&one.log)), one.height_m);
-            return Ok(Self::Of(known.into_iter().map(height).collect()));
-        }
-        let Simulated { height_m } = serde_json::from_str(&text).with_context(expected)?;
-        if logs.len() != 1 {
-            return Err(anyhow!(
-                "{file}: is the truth of one simulated log, but {} logs are given; give a list of objects \
-                 with \"log\" and \"height_m\"",
-                logs.len()
-            ));
-        }
-        Ok(Self::OfAll(height_m))
-    }
-
-    fn height_m(&self, log: &Path) -> Option<f64> {
-        match self {
-            Self::Of(known) => known.get(&file_name(log)).copied(),
-            Self::OfAll(height_m) => Some(*height_m),
-        }
-    }
-}
-
-/// The last component of a path.
-pub(crate) fn file_name(path: &Path) -> String {
-    path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
 }

@@ -49,6 +49,7 @@ mod simulate;
 mod sink;
 mod study;
 mod truck;
+mod truth;
 mod units;
 mod vehicle;
 mod words;

@@ -215,7 +215,10 @@ typedef struct cg_sample {
     /* Yaw rate of the trailer, rad/s, positive to the left; multiplied by speed it replaces an absent
        lateral acceleration. */
     float yaw_rate_radps;
-    /* Mass of the whole semitrailer as weighed, kg; while it is NAN the last known mass is used. */
+    /* Mass of the whole semitrailer as weighed, kg; while it is NAN the last known mass is used, and
+       before the first one the nominal mass of the design. It counts as exact: no standard deviation
+       of a height contains that of the mass, and a height at the nominal mass of a trailer with
+       another load is wrong by as much as that load differs, and more. */
     float trailer_mass_kg;
 } cg_sample;
 

@@ -17,6 +17,7 @@ use crate::estimate::{
     EMPTY_SHARE, EstimateOptions, Identified, LogEstimator, Method, Truck, mass_contradiction,
 };
 use crate::output::Place;
+use crate::same_drive::{are_of_one_drive, values};
 
 pub use crate::known::{KnownLoad, KnownLog, KnownMass};
 
@@ -75,6 +76,7 @@ pub fn calibrate_with_trips<E: From<VehicleError>>(
     let mut outcome = None;
     let (mut shape_runs, mut doubts) = (Vec::new(), Vec::new());
     let positions = Positions::of(vehicle)?;
+    let (of_states, mut trips) = (trips.len(), trips.to_vec());
     for pass in 1..=PASSES {
         let designs = RunDesigns::new(vehicle, options, &belief)?;
         let mut runs = Vec::with_capacity(logs.len());
@@ -102,7 +104,8 @@ pub fn calibrate_with_trips<E: From<VehicleError>>(
             shape_runs.extend(recorder.map(|recorder| recorder.finish(run.load, run.speed_mps)));
             runs.push(run);
         }
-        runs.extend_from_slice(trips);
+        forget_given(&mut trips, &runs);
+        runs.extend_from_slice(&trips);
         let fitted = fit(vehicle, variant, procedure, &runs)?;
         belief = fitted.belief.clone();
         outcome = Some((runs, fitted));
@@ -110,6 +113,7 @@ pub fn calibrate_with_trips<E: From<VehicleError>>(
     let (runs, fitted) = outcome.ok_or_else(|| VehicleError::Model("no pass".to_owned()))?;
     let mut calibration = Calibration::new(vehicle, variant, &runs, &fitted)?;
     calibration.statement.append(&mut doubts);
+    calibration.statement.extend(counted_once(of_states - trips.len()));
     if let (Judgment::Contradictory { .. }, false) = (calibration.judgment(), force) {
         return Err(VehicleError::Model(format!(
             "no calibration is made: {}; ⟨force⟩ makes it nevertheless, with intervals {:.1} times as \
@@ -221,6 +225,21 @@ fn check(vehicle: &Vehicle, logs: &[KnownLog]) -> Result<(), VehicleError> {
 fn is_same_log(one: &str, other: &str) -> bool {
     let place = |log: &str| Place::of(Path::new(log));
     one == other || place(one).is_some_and(|place_of_one| Some(place_of_one) == place(other))
+}
+
+/// Removes trips from which a truck has learned and whose log is given, too.
+fn forget_given(trips: &mut Vec<Run>, runs: &[Run]) {
+    trips.retain(|trip| {
+        let same = |run: &Run| are_of_one_drive(&values(&run.ratio), &values(&trip.ratio));
+        !runs.iter().any(same)
+    });
+}
+
+/// What is said of trips that were removed.
+fn counted_once(trips: usize) -> Option<String> {
+    (trips > 0).then(|| {
+        format!("{trips} of the trips in state files are logs of this calibration and count once")
+    })
 }
 
 /// The run of a log that an estimator with a [design for ratios](RatioDesign) has read.

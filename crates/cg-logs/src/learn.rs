@@ -203,7 +203,7 @@ impl Learner {
             let line = design.line(channel, open.speed_mps, load.trailer_mass_kg)?;
             let expected =
                 line.ratio_at(load.cg_height_m) * design.channels[channel.index()].compensation;
-            let by_wind = open.gusts.ratio_sd(side, channel, turn);
+            let by_wind = open.gusts.in_ratio(side, channel, turn).within();
             let sd = libm::hypot(relative.sd, by_wind * relative.value);
             Some(Measured { value: expected * relative.value, sd: expected.abs() * sd })
         });

@@ -13,6 +13,7 @@ use cg_vehicle::{Load, Variant, Vehicle, VehicleError};
 use serde::{Deserialize, Serialize};
 
 use crate::malformed::Malformed;
+use crate::same_drive::{are_of_one_drive, values};
 
 /// Greatest number of trips that are kept.
 const MOST_TRIPS: usize = 12;
@@ -74,11 +75,11 @@ impl Before {
         Self { belief: calibration.belief(), date_s, runs: calibration.run.clone() }
     }
 
-    /// Whether a trip is a run of the calibration already.
+    /// Whether a trip is a run of the calibration already. Both were computed from the same drive, one from the rows of its log.
     fn contains(&self, trip: &EmptyTrip) -> bool {
         let is = |run: &RunEntry| {
-            let ratios = run.channel.iter().map(|entry| entry.ratio);
-            ratios.eq(trip.ratio.iter().flatten().map(|ratio| ratio.value))
+            let ratios: Vec<f64> = run.channel.iter().map(|entry| entry.ratio).collect();
+            are_of_one_drive(&ratios, &values(&trip.ratio))
         };
         self.runs.iter().any(is)
     }

@@ -47,6 +47,7 @@ pub mod estimate;
 pub mod web;
 pub mod report;
 mod known;
+mod same_drive;
 pub mod calibrate;
 mod learned;
 pub mod learn;

@@ -46,6 +46,12 @@ pub struct State {
     /// The scale of the load's mass. Older files do not have it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub scale: Option<Scale>,
+    /// Standard deviation of the load's mass, kg, if it was given. Older files do not have it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub mass_sd_kg: Option<f64>,
+    /// What is wrong with a signal, so that there is no height. Older files do not have it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub wrong_signal: Option<String>,
     /// Whether the mass is that of the load before. Older files do not have it.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub mass_is_of_another_load: bool,
@@ -156,6 +162,8 @@ impl State {
             saved_s,
             load_since_s,
             scale: None,
+            mass_sd_kg: None,
+            wrong_signal: None,
             mass_is_of_another_load: false,
             lift_axle: LiftAxle::Down,
             strength: Strength::default(),
@@ -237,6 +245,7 @@ impl State {
             state.learned.is_sound(),
             state.strength.is_sound(),
             state.gusts.is_sound(),
+            state.mass_sd_kg.is_none_or(|sd_kg| sd_kg.is_finite() && sd_kg >= 0.0),
         ];
         if parts.contains(&false) {
             return Err(StateError::Unsound);

@@ -126,6 +126,10 @@ FILES = {
         "log.parquet",
         lambda frame, path: frame.to_parquet(path, use_deprecated_int96_timestamps=True),
     ),
+    "parquet timestamp with another unit in its name": (
+        "log.parquet",
+        lambda frame, path: frame.rename(columns={"when": "time_ms"}).to_parquet(path),
+    ),
     "parquet index": ("log.parquet", lambda frame, path: frame.set_index("when").to_parquet(path)),
     "csv of dates": ("log.csv", lambda frame, path: frame.to_csv(path, index=False)),
     "csv of a DatetimeIndex": ("log.csv", lambda frame, path: frame.set_index("when").to_csv(path)),

@@ -6,6 +6,7 @@ use crate::error::VehicleError;
 use crate::lean::Lean;
 use crate::load::Load;
 use crate::vehicle::Vehicle;
+use crate::wind::Wind;
 
 /// What the usual wind does to the roll of a trailer.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -20,17 +21,22 @@ pub struct SideWind {
     unsprung_kg: f64,
     roll_center_m: f64,
     gravity_mps2: f64,
+    /// Whether the vehicle file says what the body and the wind are. Those of a box body are used otherwise.
+    pub is_stated: bool,
 }
 
 impl SideWind {
-    /// That of a vehicle whose file says what the side of its body is.
+    /// That of a vehicle, or `None` if its file says that there is no wind.
     ///
     /// The roll axis is taken at the roll centers of the trailer's axles.
     ///
     /// # Errors
     /// As [`Lean::of`].
     pub fn of(vehicle: &Vehicle) -> Result<Option<Self>, VehicleError> {
-        let Some(wind) = vehicle.wind else { return Ok(None) };
+        let wind = vehicle.wind.unwrap_or(Wind::USUAL);
+        if wind.speed_mps <= 0.0 {
+            return Ok(None);
+        }
         let lean = Lean::of(vehicle)?;
         let axles = &vehicle.trailer.axle;
         #[allow(clippy::cast_precision_loss)] // a handful
@@ -47,6 +53,7 @@ impl SideWind {
             unsprung_kg: vehicle.trailer_unsprung_mass_kg(),
             roll_center_m,
             gravity_mps2: vehicle.gravity_mps2,
+            is_stated: vehicle.wind.is_some(),
         };
         let Load { trailer_mass_kg, cg_height_m } = vehicle.reference_load();
         let by_weight_nm = soft.weight_nm_per_rad([trailer_mass_kg, cg_height_m]);
@@ -78,7 +85,6 @@ impl SideWind {
 mod tests {
     use super::*;
     use crate::guide::{TruckKind, template};
-    use crate::wind::Wind;
 
     /// By hand: a moment of 100 N m for each m/s against 1 MN m/rad, of which 10 t that are 1 m above the roll axis take a tenth.
     #[test]
@@ -90,6 +96,7 @@ mod tests {
             unsprung_kg: 2000.0,
             roll_center_m: 0.4,
             gravity_mps2: 10.0,
+            is_stated: true,
         };
         let found = side.roll_rad_per_mps([12e3, 1.4]);
         assert!((found - 100.0 / 0.9e6).abs() < 1e-12, "{found}");
@@ -98,13 +105,17 @@ mod tests {
 
     /// The file's roll centers are at 0.7 m, and its reference load rolls as its lean says.
     #[test]
-    fn a_vehicle_without_a_side_has_no_side_wind() {
+    fn the_side_of_a_file_that_says_nothing_is_that_of_a_box() {
         let text = template(TruckKind::FourByTwoThreeAxle);
         let mut vehicle = Vehicle::parse(&text, "truck").unwrap();
+        let boxed = Wind::USUAL;
+        vehicle.wind = Some(Wind { speed_mps: 0.0, ..boxed });
         assert!(SideWind::of(&vehicle).unwrap().is_none());
-        let boxed = Wind { side_area_m2: 36.0, side_height_m: 2.4, speed_mps: 3.0 };
         vehicle.wind = Some(boxed);
         let side = SideWind::of(&vehicle).unwrap().unwrap();
+        vehicle.wind = None;
+        let assumed = SideWind::of(&vehicle).unwrap().unwrap();
+        assert_eq!(assumed, SideWind { is_stated: false, ..side });
         let (load, lean) = (vehicle.reference_load(), Lean::of(&vehicle).unwrap());
         let of_suspension = lean.suspension_rad_per_kgm / lean.rad_per_kgm;
         let arm_m = 1.7 * of_suspension + 2.4 * (1.0 - of_suspension);

@@ -30,10 +30,13 @@ pub struct Wind {
 }
 
 fn usual_speed() -> f64 {
-    3.0
+    Wind::USUAL.speed_mps
 }
 
 impl Wind {
+    /// A long box body in a usual wind.
+    pub const USUAL: Self = Self { side_area_m2: 36.0, side_height_m: 2.4, speed_mps: 3.0 };
+
     /// Force on the side over the product of the air's speed and its part across the body, N/(m/s)².
     pub fn n_per_m2ps2(&self) -> f64 {
         0.5 * AIR_KG_PER_M3 * ACROSS * self.side_area_m2
@@ -49,12 +52,10 @@ impl Wind {
 mod tests {
     use super::*;
 
-    const BOX: Wind = Wind { side_area_m2: 36.0, side_height_m: 2.4, speed_mps: 3.0 };
-
     /// By hand: air of 20 m/s that comes at 30 degrees has 400 m²/s² and a sine of one half.
     #[test]
     fn the_force_is_that_of_the_dynamic_pressure() {
-        let found_n = BOX.force_n([20.0 * 0.75_f64.sqrt(), -10.0]);
+        let found_n = Wind::USUAL.force_n([20.0 * 0.75_f64.sqrt(), -10.0]);
         let by_hand_n = 0.5 * 1.225 * 1.1 * 36.0 * 400.0 * -0.5;
         assert!((found_n / by_hand_n - 1.0).abs() < 1e-12, "{found_n}");
     }

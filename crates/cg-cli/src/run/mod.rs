@@ -11,6 +11,7 @@
 //! | `presence`, `pace` | checks that signals are present and frequent enough |
 //! | `session` | processing of samples to events |
 //! | `channels` | the heights of the channels |
+//! | `doubted` | doubt whether the mass is that of the load |
 //! | `learning` | learning of the truck from empty driving |
 //! | `request` | the speed that is requested in turns |
 //! | `events` | the lines on standard output |
@@ -22,6 +23,7 @@
 
 pub(crate) mod args;
 mod channels;
+mod doubted;
 mod events;
 mod frames;
 mod latency;

@@ -19,9 +19,13 @@ use super::session::Session;
 use super::signals::Stop;
 use super::stall::Stalling;
 
+/// Pause that is not waited for, µs: a truck that is parked, or a clock that is set after a start without one.
+const PAUSE_US: u64 = 600_000_000;
+
 /// Waits until as much time has passed as between the time stamps.
 struct Pace<'a> {
-    began: Option<(Instant, u64)>,
+    /// When the drive began, after the last long pause, the stream time of that, and the last one, µs.
+    began: Option<(Instant, u64, u64)>,
     realtime: bool,
     stop: &'a Stop,
 }
@@ -32,7 +36,10 @@ impl Pace<'_> {
         if !self.realtime {
             return;
         }
-        let (began, first_us) = *self.began.get_or_insert((Instant::now(), stream_us));
+        let same = |began: &(Instant, u64, u64)| stream_us.saturating_sub(began.2) < PAUSE_US;
+        let now = || (Instant::now(), stream_us, stream_us);
+        let (began, first_us, _) = self.began.filter(same).unwrap_or_else(now);
+        self.began = Some((began, first_us, stream_us));
         let due = Duration::from_micros(stream_us.saturating_sub(first_us));
         if let Some(rest) = due.checked_sub(began.elapsed()) {
             self.stop.wait_at_most(rest);

@@ -1,5 +1,6 @@
 //! Processing of samples: estimation, source of the mass, rollover warnings, and outputs.
 
+mod learn;
 mod lift;
 mod loads;
 mod mass;
@@ -22,11 +23,13 @@ use cg_logs::log::Signal;
 use crate::flags;
 
 use super::channels;
+use super::doubted::DoubtedMass;
 use super::events::{Counters, Event, ManeuverLine, MassSource, Result as Known, Status};
-use super::learning::{Learning, Start, Told};
+use super::learning::Learning;
 use super::outputs::Outputs;
 use super::pace::{Pace, pacing, too_slow};
 use super::request::SpeedRequest;
+use super::state::SavedLoad;
 use super::weighing::Weighing;
 
 /// Time between two writes of the state without an event, in stream time, µs.
@@ -73,14 +76,18 @@ pub(crate) struct Session<W: Write> {
     other_mass_us: Option<u64>,
     /// The mass in the last turn, kg; NaN before the first one.
     pub(crate) turn_kg: f64,
+    /// The speed in the last turn with a height, m/s; NaN before the first one.
+    height_mps: f64,
     /// The mass of a load whose height is not shown because the trailer has another mass, kg.
     hidden_kg: Option<f64>,
-    kept_mass_is_doubted: bool,
+    doubted: DoubtedMass,
     /// The last mass by a signal, kg.
     weighed_kg: Option<f64>,
     /// The subjects that were reported of this load.
     told: BTreeSet<&'static str>,
     pub(crate) sensors: SensorCheck,
+    /// What was wrong with a signal before a restart, until enough driving is known.
+    wrong_before: Option<String>,
     roads: RoadPart,
     driving: &'static str,
     missing: Vec<&'static str>,
@@ -151,11 +158,13 @@ impl<W: Write> Session<W> {
             stop: SinceStop::default(),
             other_mass_us: None,
             turn_kg: f64::NAN,
+            height_mps: f64::NAN,
             hidden_kg: None,
-            kept_mass_is_doubted: false,
+            doubted: DoubtedMass::default(),
             weighed_kg: None,
             told: BTreeSet::new(),
             sensors: SensorCheck::default(),
+            wrong_before: None,
             roads: RoadPart::default(),
             driving: "waiting",
             missing: Vec::new(),
@@ -294,8 +303,11 @@ impl<W: Write> Session<W> {
             self.doubt_held_mass(maneuver)?;
         }
         self.turn_kg = maneuver.trailer_mass_kg;
+        if maneuver.outcomes.iter().any(|outcome| outcome.height_m.is_ok()) {
+            self.height_mps = maneuver.speed_mps;
+        }
         self.roads.push(maneuver);
-        self.doubt_kept_mass(maneuver)?;
+        self.doubt_mass(maneuver)?;
         let before = self.known.status;
         self.update(maneuver.trailer_mass_kg);
         let result = Known { lift_axle: self.lift.of_truck(), ..self.known.clone() };
@@ -313,30 +325,6 @@ impl<W: Write> Session<W> {
         self.compare(before)?;
         self.remark(maneuver)?;
         self.save()
-    }
-
-    /// Begins to learn from empty driving.
-    pub(crate) fn begin(&mut self, start: Start) -> io::Result<()> {
-        let mut learning = start.learning;
-        learning.set_lift_axle(self.lift.position());
-        self.learning = Some(learning);
-        start.told.into_iter().try_for_each(|told| self.tell(told))
-    }
-
-    /// Learns from a maneuver, or ends the trip.
-    fn learn(&mut self, maneuver: Option<(&Maneuver<f64>, Ended)>) -> io::Result<()> {
-        let design = self.estimator.design();
-        // Otherwise the empty trailer may be another one.
-        let maneuver = maneuver.filter(|_| self.lift.doubt().is_none());
-        let told = self.learning.as_mut().and_then(|one| one.push(design, maneuver));
-        told.map_or(Ok(()), |told| self.tell(told))
-    }
-
-    fn tell(&mut self, told: Told) -> io::Result<()> {
-        match told {
-            Told::Learned(trips, message) => self.write_event(&Event::Learned { trips, message }),
-            Told::Problem(message) => self.notice("learning", &message),
-        }
     }
 
     fn update(&mut self, trailer_mass_kg: f64) {
@@ -462,9 +450,15 @@ impl<W: Write> Session<W> {
         let saved_s = self.time_s(self.now_us);
         let design = self.estimator.design();
         let learned = self.learning.as_ref().map(|learning| learning.learned(design));
-        let (strength, position) = (self.strength(), self.lift.position());
-        let turns = (strength, self.windward.of_load());
-        let load = self.weighing.saved(self.load_since_s, turns, self.trips_in_use, position);
+        let load = SavedLoad {
+            since_s: self.load_since_s,
+            lift_axle: self.lift.position(),
+            strength: self.strength(),
+            gusts: self.windward.of_load(),
+            trips_in_use: self.trips_in_use,
+            wrong_signal: self.wrong_text(),
+            ..self.weighing.saved(self.mass_source)
+        };
         match self.outputs.save(&memory, saved_s, load, learned.unwrap_or_default()) {
             Some(message) => self.notice("state", &message),
             None => Ok(()),

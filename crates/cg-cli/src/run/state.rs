@@ -34,12 +34,14 @@ pub(crate) struct StateFile {
 }
 
 /// What is kept of the present load beside the estimator's memory.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct SavedLoad {
     /// Time of the last change of the load, s.
     pub(crate) since_s: Option<f64>,
     /// The scale of its mass.
     pub(crate) scale: Option<Scale>,
+    /// Standard deviation of its mass, kg, if it was given.
+    pub(crate) mass_sd_kg: Option<f64>,
     /// Whether that mass is of the load before.
     pub(crate) mass_is_of_another_load: bool,
     /// Where the lift axles were.
@@ -50,6 +52,8 @@ pub(crate) struct SavedLoad {
     pub(crate) gusts: Gusts,
     /// Number of learned trips in the design.
     pub(crate) trips_in_use: usize,
+    /// What is wrong with a signal.
+    pub(crate) wrong_signal: Option<String>,
 }
 
 /// The content of a state file.
@@ -77,7 +81,8 @@ impl StateFile {
         learned: Learned,
     ) -> io::Result<()> {
         let mut state = State::new(self.owner.clone(), memory, saved_s, load.since_s, learned);
-        state.scale = load.scale;
+        (state.scale, state.mass_sd_kg) = (load.scale, load.mass_sd_kg);
+        state.wrong_signal = load.wrong_signal;
         state.mass_is_of_another_load = load.mass_is_of_another_load;
         state.lift_axle = load.lift_axle;
         state.strength = load.strength;
@@ -228,17 +233,20 @@ mod tests {
         let load = SavedLoad { since_s: Some(0.3), ..SavedLoad::default() };
         file.save(&memory, 1.5, load, Learned::default()).unwrap();
         let scale = Some(Scale::AxleLoad);
-        let strength = Strength { greatest: 0.7, braking_mps2: 0.3, sd: 0.1 + 0.2 };
+        let strength =
+            Strength { greatest: 0.7, braking_mps2: 0.3, speeding_mps2: 0.4, sd: 0.1 + 0.2 };
         let gusts = r#"{"sum":{"slopes":[0.1,-0.2],"random":0.3},"maneuvers":2.0}"#;
         let gusts: Gusts = serde_json::from_str(gusts).unwrap();
         let load = SavedLoad {
             since_s: None,
             scale,
             lift_axle: LiftAxle::Raised,
+            mass_sd_kg: Some(70.0),
             mass_is_of_another_load: true,
             strength,
             gusts,
             trips_in_use: 3,
+            wrong_signal: Some("a signal".to_owned()),
         };
         file.save(&memory, 2.5, load, Learned::default()).unwrap();
         let Found::State(state) = file.load().unwrap() else { panic!("a state") };
@@ -247,6 +255,10 @@ mod tests {
         assert_eq!(state.scale, Some(Scale::AxleLoad));
         assert_eq!((state.mass_is_of_another_load, state.lift_axle), (true, LiftAxle::Raised));
         assert_eq!((state.strength, state.gusts), (strength, gusts));
+        assert_eq!(
+            (state.mass_sd_kg, state.wrong_signal.as_deref()),
+            (Some(70.0), Some("a signal"))
+        );
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
     }
 

@@ -1,8 +1,7 @@
 //! How exact the trailer mass is.
 
 use cg_core::Design;
-use cg_logs::estimate::{Gusts, Strength, Weighed};
-use cg_vehicle::lift::LiftAxle;
+use cg_logs::estimate::Weighed;
 use cg_vehicle::scales::{Scale, Scales};
 
 use super::events::{MassSource, Result as Known};
@@ -17,6 +16,8 @@ pub(crate) struct Weighing {
     pub(crate) logged_sd_kg: Option<f64>,
     /// The scales of the vehicle.
     pub(crate) scales: Scales,
+    /// The same before a restart, or of a mass that was given then, kg.
+    pub(crate) kept_sd_kg: Option<f64>,
     /// The scale of the last mass by a signal, also before a restart.
     pub(crate) scale: Option<Scale>,
     /// Whether that mass is of the present load.
@@ -28,6 +29,7 @@ impl Weighing {
     pub(crate) const EXACT: Self = Self {
         sd_kg: None,
         logged_sd_kg: None,
+        kept_sd_kg: None,
         scales: Scales::EXACT,
         scale: None,
         weighed: Weighed::NEVER,
@@ -43,24 +45,13 @@ impl Weighing {
         )
     }
 
-    /// What a restart needs of a load since this time, s, whose turns came to this, with a design of this many learned trips.
-    pub(crate) fn saved(
-        &self,
-        since_s: Option<f64>,
-        (strength, gusts): (Strength, Gusts),
-        trips_in_use: usize,
-        lift_axle: LiftAxle,
-    ) -> SavedLoad {
-        let mass_is_of_another_load = self.weighed.is_of_another_load();
-        let scale = self.scale;
+    /// What a restart needs of a mass from this source.
+    pub(crate) fn saved(&self, source: MassSource) -> SavedLoad {
         SavedLoad {
-            since_s,
-            scale,
-            mass_is_of_another_load,
-            lift_axle,
-            strength,
-            gusts,
-            trips_in_use,
+            scale: self.scale(source).or(self.scale),
+            mass_sd_kg: self.stated_sd_kg(source),
+            mass_is_of_another_load: self.weighed.is_of_another_load(),
+            ..SavedLoad::default()
         }
     }
 
@@ -91,11 +82,19 @@ impl Weighing {
         }
         let of_scale_kg =
             || self.scale(source).map_or(0.0, |scale| self.scales.sd_kg(scale, mass_kg));
-        let logged_kg = self.logged_sd_kg.filter(|_| source == MassSource::Signal);
-        self.sd_kg.or(logged_kg).unwrap_or_else(|| match source {
+        self.stated_sd_kg(source).unwrap_or_else(|| match source {
             MassSource::Nominal => design.any_load_sd_kg(),
             MassSource::Signal => libm::hypot(of_scale_kg(), self.weighed.scatter_kg()),
             MassSource::Kept | MassSource::Given => of_scale_kg(),
+        })
+    }
+
+    /// The standard deviation of a mass from this source that was given or is beside it, kg.
+    fn stated_sd_kg(&self, source: MassSource) -> Option<f64> {
+        self.sd_kg.or(match source {
+            MassSource::Signal => self.logged_sd_kg,
+            MassSource::Kept => self.kept_sd_kg,
+            MassSource::Nominal | MassSource::Given => None,
         })
     }
 }

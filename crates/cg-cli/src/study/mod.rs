@@ -27,7 +27,6 @@ use comfy_table::{ContentArrangement, Table};
 
 use crate::calibrate::refuse_standard_input;
 use crate::cli::StudyArgs;
-use crate::estimate::file_name;
 use crate::outcome::Outcome;
 use crate::truck;
 
@@ -177,6 +176,11 @@ fn verdict(statement: &Statement) -> String {
         Verdict::Same => format!("same: {}", number(statement.measured)),
         other => format!("{other}: {}, because {}", number(statement.measured), statement.because),
     }
+}
+
+/// The last component of a path.
+fn file_name(path: &Path) -> String {
+    path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
 }
 
 /// Prints the finding, and each statement of the thesis next to the computed result.

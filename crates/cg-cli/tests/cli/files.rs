@@ -412,3 +412,19 @@ fn every_subcommand_tells_of_force() {
         assert!(help.contains("--force") && help.contains("did not write"), "{name}");
     }
 }
+
+/// Where nothing is written to standard output, no file of this name is made by mistake.
+#[test]
+fn a_dash_is_no_file() {
+    let scratch = Scratch::new();
+    let log = fixture(LOG);
+    for (arguments, flag) in [
+        (&["estimate", &log, "--vehicle", &kraz(), "--report", "-"][..], "--report -"),
+        (&["vehicle", "new", "--kind", "4x2-3axle", "-o", "-"], "--output -"),
+        (&["design", "--vehicle", &kraz(), "--emit", "c", "-o", "-"], "--output -"),
+    ] {
+        let run: Run = command(arguments).current_dir(scratch.path("")).output().unwrap().into();
+        run.refused(&[flag, "name a file"]);
+        assert!(scratch.names().is_empty(), "{arguments:?}");
+    }
+}

@@ -209,3 +209,38 @@ fn state_files_become_a_calibration() {
     cg(&["calibrate", "--vehicle", &vehicle, "--from-state", &nothing, "-o", &calibration])
         .refused(&["contains no trip"]);
 }
+
+/// A log that is given and from which the truck has learned is one run.
+#[test]
+fn a_log_of_which_the_truck_has_learned_counts_once_in_a_calibration() {
+    let scratch = Scratch::new();
+    let state = learned(&scratch);
+    let known = fixture(EMPTY) + "=empty";
+    let calibrate = |name: &str, more: &[&str]| {
+        let file = scratch.path(name);
+        let given = ["calibrate", "--vehicle", &kraz(), "--run", &known, "-o", &file];
+        let printed = cg(&[&given[..], more].concat()).done().out;
+        let sd = |line: &&str| line.contains("steer ratio to");
+        (printed.lines().find(sd).unwrap().to_owned(), printed)
+    };
+    let (alone, _) = calibrate("alone.toml", &[]);
+    let (both, printed) = calibrate("both.toml", &["--from-state", &state]);
+    assert_eq!(alone, both);
+    assert!(printed.contains("1 of the trips in state files are logs of this calibration"));
+}
+
+/// The drive of the calibration, recorded again on board, is not a second one.
+#[test]
+fn a_trip_that_is_a_run_of_the_calibration_does_not_count_again() {
+    let scratch = Scratch::new();
+    let (file, state) = (scratch.path("calibration.toml"), scratch.path("state.json"));
+    let known = fixture(EMPTY) + "=empty";
+    cg(&["calibrate", "--vehicle", &kraz(), "--run", &known, "-o", &file]).done();
+    let height_m =
+        |state: &str| last_height(&lines(&drive(LADEN, state, &["--calibration", &file]).done()));
+    let expected_m = height_m(&scratch.path("other.json"));
+    let taken = lines(&drive(EMPTY, &state, &["--calibration", &file]).done());
+    assert_eq!(events(&taken, "learned").len(), 1);
+    let found_m = height_m(&state);
+    assert!((found_m / expected_m - 1.0).abs() < 1e-9, "{found_m} {expected_m}");
+}

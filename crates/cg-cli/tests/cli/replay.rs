@@ -104,3 +104,15 @@ fn a_replay_in_real_time_can_be_stopped_in_a_gap() {
     assert!(asked.elapsed() < Duration::from_secs(60), "{:?}", asked.elapsed());
     assert_eq!(lines(&run).last().unwrap()["reason"], "signal");
 }
+
+/// A clock that is set after a start without one jumps by decades, and a truck is parked for a night.
+#[test]
+fn a_replay_in_real_time_does_not_wait_for_a_long_pause() {
+    let scratch = Scratch::new();
+    let head = "time_s,roll_rad,lateral_acceleration_mps2,speed_mps\n";
+    let rows = "0,0,0,14\n0.01,0,0,14\n3600,0,0,14\n3600.01,0,0,14\n1.8e9,0,0,14\n";
+    let log = scratch.file("pause.csv", format!("{head}{rows}"));
+    let run = cg(&["run", "--vehicle", &kraz(), "--csv", &log, "--realtime"]).told(1, &[]);
+    let stop = lines(&run).pop().unwrap();
+    assert_eq!((&stop["reason"], &stop["frames"]), (&"end of log".into(), &5.into()));
+}

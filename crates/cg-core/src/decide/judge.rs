@@ -97,7 +97,7 @@ impl<'a, T: Real, const C: usize> Judge<'a, T, C> {
             return rejected(Some(fit), Reject::Road { ratio_sd_relative: road_sd_relative });
         }
         let articulation = self.design.articulation(channel);
-        let turned = self.road.articulated_sd(&articulation);
+        let turned = self.road.articulated_sd(channel, &articulation);
         if !(ratio_sd_relative <= self.settings.ratio_sd_relative && turned < T::of(MOST_TURNED)) {
             let ratio_sd_relative = ratio_sd_relative.max(turned);
             return rejected(Some(fit), Reject::Imprecise { ratio_sd_relative });

@@ -34,10 +34,14 @@ const TWIST_SHARE: f64 = 0.02;
 /// What `ψ²` may be without a correction, rad²: the ratios change by up to 0.9 % there, as much as the model leaves
 /// anyway. That is a turn of 68 m for a wheelbase of 7.6 m, of 110 m for one of 12.3 m.
 const USUAL_ARTICULATION: f64 = 0.0125;
-/// Further change of a ratio, divided by `ψ²`, if the lateral acceleration is that of the yaw rate: by
-/// `(cos ψ − 1)/ψ²` = −0.5 in a steady turn. The nonlinear plant (`kraz`, `euro`) shows −0.4 to −0.5, an independent
-/// truck −0.4.
-const BY_YAW_RATE: f64 = -0.4;
+/// If the lateral acceleration is that of the yaw rate, it is greater than the trailer's by `1/cos ψ` in a steady turn. The
+/// articulation comes some seconds after the yaw rate, which the identified dynamics do not have, so that the ratio falls by a
+/// multiple of `1 − cos ψ`: by 1.4 to 1.6 in turns of half a minute of the nonlinear plant (`euro`, `kraz`, `air`; 15 to 25 m), by
+/// 0.8 in short ones and in those of an independent truck. This is the middle of both, and the distance from it.
+const BY_YAW_RATE: f64 = 1.15;
+const BY_YAW_RATE_SD: f64 = 0.35;
+/// Least `cos² ψ`, for turns that no truck makes.
+const LEAST_COS_SQUARE: f64 = 0.1;
 
 /// The road of a maneuver.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -84,23 +88,36 @@ impl<T: Real> Road<T> {
         };
         let [common, own] =
             [COMMON_SHARE, 1.0 - COMMON_SHARE].map(|share| sd * T::of(share).root());
-        let articulation = self.articulated_sd(articulation);
+        let articulation = self.articulated_sd(channel, articulation);
         [(common * common + articulation * articulation).root(), own]
     }
 
     /// The factor of the ratio of a channel by articulation.
     pub(crate) fn articulated(&self, channel: Channel, articulation: &Articulation<T>) -> T {
-        let by_yaw_rate = channel.input() == Input::LateralAcceleration && self.by_yaw_rate;
-        let more = if by_yaw_rate { T::of(BY_YAW_RATE) } else { T::zero() };
+        let by_yaw_rate = T::of(BY_YAW_RATE) * self.shorter(channel);
         // At least a half, for turns that no truck makes.
-        (T::one() + (articulation.mean + more) * self.articulation()).max(T::of(0.5))
+        (T::one() + articulation.mean * self.articulation() - by_yaw_rate).max(T::of(0.5))
     }
 
     /// Relative standard deviation of the ratio of a channel by articulation. What is of the fourth power of
     /// `ψ` is not known.
-    pub(crate) fn articulated_sd(&self, articulation: &Articulation<T>) -> T {
+    pub(crate) fn articulated_sd(&self, channel: Channel, articulation: &Articulation<T>) -> T {
         let beyond = self.articulation();
-        (articulation.sd + articulation.mean.abs() * beyond) * beyond
+        let of_ratio = (articulation.sd + articulation.mean.abs() * beyond) * beyond;
+        let by_yaw_rate = T::of(BY_YAW_RATE_SD) * self.shorter(channel);
+        (of_ratio * of_ratio + by_yaw_rate * by_yaw_rate).root()
+    }
+
+    /// By which share the circle of the trailer is smaller than that of the tractor, `1 − cos ψ` beyond the usual, if a channel has
+    /// the lateral acceleration from the yaw rate.
+    fn shorter(&self, channel: Channel) -> T {
+        if channel.input() != Input::LateralAcceleration || !self.by_yaw_rate {
+            return T::zero();
+        }
+        // The wheelbase over the radius, which is given, is the sine.
+        let square = self.articulation_rad * self.articulation_rad;
+        let cos = |square: T| (T::one() - square).max(T::of(LEAST_COS_SQUARE)).root();
+        (cos(T::of(USUAL_ARTICULATION)) - cos(square)).max(T::zero())
     }
 
     /// `ψ²` beyond the usual.
@@ -162,7 +179,6 @@ mod tests {
         for (road, channel, mean) in [
             (tight, Channel::Tractor, -0.3),
             (tight, Channel::LateralAcceleration, -0.3),
-            (by_yaw_rate, Channel::LateralAcceleration, -0.7),
             (by_yaw_rate, Channel::Suspension, -0.3),
         ] {
             let factor = road.articulated(channel, &known);
@@ -173,5 +189,15 @@ mod tests {
             assert!((usual.articulated(channel, &known) - 1.0).abs() < 1e-12);
             assert!(usual.parts(channel, &known, 0.02, 9.81)[0].abs() < 1e-12);
         }
+        // Its circle is smaller by cos ψ, √(1 − 0.4²) for √(1 − 0.0125).
+        let shorter = 0.9875_f64.sqrt() - 0.84_f64.sqrt();
+        let channel = Channel::LateralAcceleration;
+        let factor = by_yaw_rate.articulated(channel, &known);
+        assert!((factor - (1.0 - 0.1475 * 0.3 - 1.15 * shorter)).abs() < 1e-12, "{factor}");
+        let [common, own] = by_yaw_rate.parts(channel, &known, 0.02, 9.81);
+        let sd = (0.1475_f64 * (0.2 + 0.3 * 0.1475)).hypot(0.35 * shorter);
+        assert!((common - sd).abs() < 1e-12 && own.abs() < f64::EPSILON);
+        let yard = Road { articulation_rad: 3.0, ..by_yaw_rate };
+        assert!(yard.articulated(channel, &Articulation::NONE) >= 0.5);
     }
 }

@@ -9,7 +9,6 @@ use super::leaning::threshold_g;
 use super::options::interval_95;
 use super::reason::reason;
 use super::road::RoadPart;
-use super::windward::Windward;
 
 /// Value of [`LogEstimate::channel`] if several channels were used.
 const COMBINED: &str = "combined";
@@ -151,14 +150,14 @@ impl LogEstimator {
         let by_tilts_m = self.seen.tilts().height_sd_m(&self.design, (channel, height), turn);
         let by_rate_m = self.rated.height_sd_m(&self.design, (channel, height), turn);
         let side = (self.options.side_wind, &self.design);
-        let by_wind_m = self.windward.height_sd_m(side, (channel, height), turn);
+        let by_wind = self.windward.in_height(side, (channel, height), turn);
         let by_turns_m = [strength.sd * height, lean_sd * height];
         let windless_m = [by_mass_m, doubt.sd_m, by_tilts_m, by_rate_m]
             .into_iter()
             .chain(by_turns_m)
             .fold(fused.height_m.sd, libm::hypot);
-        let sd = libm::hypot(windless_m, by_wind_m);
-        estimate.messages.extend(Windward::message(by_wind_m, windless_m));
+        let sd = libm::hypot(windless_m, by_wind.within());
+        estimate.messages.extend(by_wind.message(windless_m));
         estimate.messages.extend(strength.messages());
         estimate.messages.extend(doubt.message());
         estimate.height_m = Some(height);
@@ -180,8 +179,7 @@ impl LogEstimator {
             Measured { value: height, sd },
             [best.trailer_mass_kg, speed_mps],
         );
-        estimate.messages.extend(Self::unusual(height));
-        estimate.messages.extend(self.sunk(height, best.trailer_mass_kg));
+        estimate.messages.extend(self.options.unlike_load(best.trailer_mass_kg, height));
         if self.is_mass_known() {
             let (mass_kg, found) = (self.turns_mass_kg(), Measured { value: height, sd });
             estimate.messages.extend(self.options.unlike_empty(mass_kg, found));
@@ -276,8 +274,8 @@ impl LogEstimator {
             let by_turns = libm::hypot(strength.sd, lean_sd);
             let turn = [identified.speed_mps, mass_kg, height.height_m.value];
             let side = (self.options.side_wind, &self.design);
-            let by_wind = self.windward.of_load().ratio_sd(side, channel, turn);
-            let by_turns = libm::hypot(by_turns, by_wind);
+            let by_wind = self.windward.of_load().in_ratio(side, channel, turn);
+            let by_turns = libm::hypot(by_turns, by_wind.within());
             let relative_sd = libm::hypot(by_turns, self.rated.ratio_sd(channel));
             identified.ratio[channel.index()] = ratio.map(|ratio| Measured {
                 sd: libm::hypot(ratio.sd, relative_sd * ratio.value),

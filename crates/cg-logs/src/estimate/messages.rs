@@ -9,9 +9,6 @@ use super::reason::reason;
 use super::road::RoadPart;
 use crate::unscaled::unscaled;
 
-/// Greatest usual height. The middle of a box that is filled to a roof at 4 m above a floor at 1.2
-/// m is at 2.6 m, and the trailer's own mass is below.
-const USUAL_HEIGHT_M: f64 = 2.5;
 /// Drift of the roll sensor above which it is reported: a third of a degree per minute.
 const DRIFT_RADPS: f64 = 1e-4;
 
@@ -50,10 +47,12 @@ impl LogEstimator {
             Channel::ALL.into_iter().filter(|one| one.feels_bank() && !self.is_on_road());
         if let Some(drift) = of_roll.find_map(|channel| self.drift(channel)) {
             let beyond = match self.options.side_wind {
-                Some(_) => {
+                Some(side) if side.is_stated => {
                     "is in the interval as far as [wind] in the vehicle file says how strong it is"
                 }
-                None => "is not in the interval, because the vehicle file has no [wind]",
+                _ => {
+                    "is not in the interval, because the vehicle file has no [wind] or says that it is calm"
+                }
             };
             messages.push(format!(
                 "the roll angle drifts by {drift:.1} degrees per minute: its sensor does, or a side wind comes from another \
@@ -113,31 +112,6 @@ impl LogEstimator {
         let mass_is_known = self.seen.mass_kg.is_some() || self.options.trailer_mass_kg.is_some();
         let found = unscaled(&self.settings, mass_is_known, |one| self.seen.unscaled[one.index()]);
         found.map(|(_, text)| text.to_owned())
-    }
-
-    /// A message for a height that is unusual for a load.
-    pub(super) fn unusual(height_m: f64) -> Option<String> {
-        (height_m > USUAL_HEIGHT_M).then(|| {
-            format!(
-                "a height of {height_m:.2} m is unusual for a load (usually below \
-                 {USUAL_HEIGHT_M} m); check the gain of the roll sensor, the trailer mass, and whether roll_rad is \
-                 relative to the road (a bank makes a roll angle relative to gravity too great: \
-                 roll_to_gravity_rad)"
-            )
-        })
-    }
-
-    /// A message for a load whose c.g. would be below the floor on which it stands.
-    pub(super) fn sunk(&self, height_m: f64, trailer_mass_kg: f64) -> Option<String> {
-        let floor = self.options.floor?;
-        let payload_m = floor.payload_height_m(trailer_mass_kg, height_m)?;
-        (payload_m < floor.height_m).then(|| {
-            format!(
-                "the load's own c.g. would be {payload_m:.2} m high, below the floor at {:.2} m on which it \
-                 stands: the trailer mass is too great, or a sensor shows too little roll",
-                floor.height_m
-            )
-        })
     }
 
     /// What the bank of the road does to the result, if it is not known and matters.

@@ -22,7 +22,7 @@
 //! | `since_stop` | whether the load was another one after a stop |
 //! | `tilts` | what is not known of the gains of inclinometers |
 //! | `rated` | the noise of a roll rate whose integral is the roll angle |
-//! | `windward` | what a side wind makes of the ratios |
+//! | `windward`, `by_wind` | what a side wind makes of the ratios, and which part of an interval that is |
 //! | `strong` | how near to rolling over the turns came |
 //! | `weighed` | whether the mass is that of the present load |
 //! | `recorder` | inputs and roll angles of a log, for the shapes of a calibration |
@@ -62,6 +62,7 @@ mod recorder;
 mod felt;
 mod tilts;
 mod rated;
+mod by_wind;
 mod windward;
 mod strong;
 mod road;
@@ -82,6 +83,7 @@ mod prediction;
 mod trial;
 
 pub use answer::{ChannelEstimate, LogEstimate, ManeuverEstimate, Verdict};
+pub use by_wind::ByWind;
 pub use engine::Engine;
 pub use felt::{add_force, felt_mps2};
 pub use intake::{Identified, LogEstimator};

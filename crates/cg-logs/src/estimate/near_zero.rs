@@ -12,6 +12,8 @@ const LEAST: f64 = 50.0;
 const AFTER: f64 = 25.0;
 /// Least noise in steps of the signal. With less, a signal that is rounded stays where it is.
 const NOISY_STEPS: f64 = 2.0;
+/// Least noise over the root mean square of the signal: the corners of a simulated turn without noise make less.
+const NOISY_SHARE: f64 = 1e-3;
 
 /// What a signal does at zero and elsewhere.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
@@ -73,14 +75,14 @@ impl NearZero {
         }
     }
 
-    /// The share of the values in a dead band, if there is one in a signal with these steps.
+    /// The share of the values in a dead band, if there is one in a signal with these steps and this root mean square.
     ///
     /// White noise of variance σ² has second differences whose neighbors have the covariance −4 σ²; those of a motion that
     /// is sampled often enough have the same sign.
-    pub(super) fn dead_share(&self, step: f64) -> Option<f64> {
+    pub(super) fn dead_share(&self, (step, size): (f64, f64)) -> Option<f64> {
         let variance = -self.products / self.bends / 4.0;
         let share = self.in_rows / (self.in_rows + self.others);
-        let is_noisy = variance.sqrt() > NOISY_STEPS * step;
+        let is_noisy = variance.sqrt() > (NOISY_STEPS * step).max(NOISY_SHARE * size);
         (self.in_rows >= LEAST && share > SHARE && is_noisy).then_some(share)
     }
 }
@@ -90,6 +92,9 @@ mod tests {
     use super::*;
     use rand::{SeedableRng, rngs::StdRng};
     use rand_distr::{Distribution, StandardNormal};
+
+    /// Root mean square of the turns below.
+    const SIZE: f64 = 0.5;
 
     /// Turns to both sides with straight driving between them for half of the time, as a sensor shows them.
     fn check(noise: f64, mut sensor: impl FnMut(f64, u32) -> f64) -> NearZero {
@@ -116,11 +121,11 @@ mod tests {
     #[test]
     fn a_band_in_which_noise_is_lost_is_found() {
         for band in [0.1, 0.2] {
-            let share = check(0.03, cut(band)).dead_share(1e-9).unwrap();
+            let share = check(0.03, cut(band)).dead_share((1e-9, SIZE)).unwrap();
             assert!(share > 0.49 && share < 0.6, "{share}");
         }
         let both = |value, k| rounded(0.01)(cut(0.1)(value, k));
-        assert!(check(0.03, both).dead_share(0.01).is_some());
+        assert!(check(0.03, both).dead_share((0.01, SIZE)).is_some());
     }
 
     /// A truck that shakes in turns and stands straight without any noise, as a simulated one does.
@@ -130,16 +135,20 @@ mod tests {
             let side = if k.is_multiple_of(2) { 0.03 } else { -0.03 };
             if value != 0.0 && k % 500 > 100 { value + side } else { value }
         };
-        assert_eq!(check(0.0, shaken).dead_share(1e-9), None);
+        assert_eq!(check(0.0, shaken).dead_share((1e-9, SIZE)), None);
     }
 
     #[test]
     fn rest_without_noise_and_rounding_are_none() {
-        assert_eq!(check(0.0, |value, _| value).dead_share(1e-9), None);
-        assert_eq!(check(0.03, |value, _| value).dead_share(1e-9), None);
+        assert_eq!(check(0.0, |value, _| value).dead_share((1e-9, SIZE)), None);
+        assert_eq!(check(0.03, |value, _| value).dead_share((1e-9, SIZE)), None);
+        // What rounding and corners of a simulated turn leave is no noise.
+        let shaken = |value: f64, k: u32| value + if k.is_multiple_of(2) { 1e-4 } else { -1e-4 };
+        let zeros = |value: f64, k: u32| if value == 0.0 { 0.0 } else { shaken(value, k) };
+        assert_eq!(check(0.0, zeros).dead_share((1e-9, SIZE)), None);
         for noise in [0.0, 0.002, 0.005, 0.02, 0.03] {
             let step = 0.01;
-            let found = check(noise, |value, _| rounded(step)(value)).dead_share(step);
+            let found = check(noise, |value, _| rounded(step)(value)).dead_share((step, SIZE));
             assert_eq!(found, None, "{noise}");
             // A sensor at 10 Hz in a log at 50 Hz.
             let mut held = 0.0;
@@ -147,7 +156,7 @@ mod tests {
                 held = if k.is_multiple_of(5) { rounded(step)(value) } else { held };
                 held
             };
-            assert_eq!(check(noise, hold).dead_share(step), None, "held, {noise}");
+            assert_eq!(check(noise, hold).dead_share((step, SIZE)), None, "held, {noise}");
         }
     }
 }

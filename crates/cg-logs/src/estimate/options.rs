@@ -134,6 +134,10 @@ impl From<ChannelChoice> for Option<Channel> {
     }
 }
 
+/// Greatest usual height. The middle of a box that is filled to a roof at 4 m above a floor at 1.2
+/// m is at 2.6 m, and the trailer's own mass is below.
+const USUAL_HEIGHT_M: f64 = 2.5;
+
 /// Options of an estimate.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct EstimateOptions {
@@ -215,6 +219,28 @@ impl EstimateOptions {
     pub fn unconfirmed(&self, has: impl Fn(Quantity) -> bool) -> Option<&'static str> {
         let is_alone = has(Quantity::LateralAcceleration) && !has(Quantity::YawRate);
         (is_alone && self.judgment.is_none()).then_some(GRAVITY)
+    }
+
+    /// That a height, m, is unusual for a load, or that a load that makes a trailer of this mass, kg, would lie below the floor.
+    pub fn unlike_load(&self, trailer_mass_kg: f64, height_m: f64) -> Vec<String> {
+        let unusual = (height_m > USUAL_HEIGHT_M).then(|| {
+            format!(
+                "a height of {height_m:.2} m is unusual for a load (usually below {USUAL_HEIGHT_M} m); check the gain of the roll \
+                 sensor, the trailer mass, and whether roll_rad is relative to the road (a bank makes a roll angle relative to \
+                 gravity too great: roll_to_gravity_rad)"
+            )
+        });
+        let sunk = self.floor.and_then(|floor| {
+            let payload_m = floor.payload_height_m(trailer_mass_kg, height_m)?;
+            (payload_m < floor.height_m).then(|| {
+                format!(
+                    "the load's own c.g. would be {payload_m:.2} m high, below the floor at {:.2} m on which it stands: the trailer \
+                     mass is too great, or a sensor shows too little roll",
+                    floor.height_m
+                )
+            })
+        });
+        unusual.into_iter().chain(sunk).collect()
     }
 
     /// That a trailer that is empty by its known mass, kg, has another height than that in the vehicle file.

@@ -57,9 +57,14 @@ impl SensorCheck {
         }
     }
 
+    /// Whether the truck has driven for long enough to judge the mean over a drive that goes on.
+    pub fn is_known(&self) -> bool {
+        self.signals.seconds() >= KNOWN_S
+    }
+
     /// The signals of turns that contradict each other, at present or in the whole log.
     pub fn disagreement(&self, gravity_mps2: f64, at_present: bool) -> Option<String> {
-        let is_known = !at_present || self.signals.seconds() >= KNOWN_S;
+        let is_known = !at_present || self.is_known();
         let of_all = self.signals.contradiction(gravity_mps2).filter(|_| is_known);
         // That of the whole log knows the likely causes.
         let of_now = self.agreement.contradiction();

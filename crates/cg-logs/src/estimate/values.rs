@@ -50,7 +50,7 @@ const RATE: f64 = 0.01;
 /// A signal that is judged: its least value that is far from zero, and where it is in a sample.
 type Judged = (Quantity, f64, fn(&Sample<f64>) -> f64);
 
-const SIGNALS: [Judged; 11] = [
+const SIGNALS: [Judged; 12] = [
     (Quantity::Steer, ANGLE, |sample| sample.steer_rad),
     (Quantity::Roll, ANGLE, |sample| sample.roll_rad),
     (Quantity::RollToGravity, ANGLE, |sample| sample.roll_to_gravity_rad),
@@ -64,7 +64,14 @@ const SIGNALS: [Judged; 11] = [
     }),
     (Quantity::TractorTilt, ANGLE, |sample| sample.tractor_tilt_rad),
     (Quantity::YawRate, RATE, |sample| sample.yaw_rate_radps),
+    (Quantity::Speed, MOVING_MPS, |sample| sample.speed_mps),
 ];
+
+/// Whether the motion of a signal is what a height follows from. A speed may be constant, and then has steps as large as its
+/// motion; it stands still at zero.
+fn is_of_roll(quantity: Quantity) -> bool {
+    quantity != Quantity::Speed
+}
 
 /// One signal.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
@@ -217,8 +224,11 @@ impl ValueCheck {
     /// The signal with a dead band about zero, if there is one.
     pub(super) fn dead(&self) -> Option<String> {
         let found = self.of_signals.iter().zip(SIGNALS);
-        let found = found
-            .filter_map(|(one, (signal, ..))| Some((one.near_zero.dead_share(one.step)?, signal)));
+        let found = found.filter(|(_, (signal, ..))| is_of_roll(*signal));
+        let found = found.filter_map(|(one, (signal, ..))| {
+            let noise = (one.step, (one.square / one.rows).sqrt());
+            Some((one.near_zero.dead_share(noise)?, signal))
+        });
         let (share, signal) = found.max_by(|a, b| a.0.total_cmp(&b.0))?;
         Some(format!(
             "{} is exactly 0 in {:.0} % of the rows, although it has noise: it has a dead band there, so that the height can \
@@ -231,6 +241,7 @@ impl ValueCheck {
     /// The signal whose steps are as large as its motion, if there is one.
     pub(super) fn coarse(&self) -> Option<String> {
         let found = self.of_signals.iter().zip(SIGNALS);
+        let found = found.filter(|(_, (signal, ..))| is_of_roll(*signal));
         let found = found.filter_map(|(one, (signal, ..))| Some((one.coarse()?, signal)));
         let ((step, share), signal) = found.max_by(|a, b| a.0.1.total_cmp(&b.0.1))?;
         let unit = signal.column().trim_start_matches(signal.name()).trim_start_matches('_');
@@ -378,5 +389,27 @@ mod tests {
             held
         };
         assert_eq!(check(sensor).coarse(), None);
+    }
+
+    /// A truck that drives at one speed, in steps of 1 km/h, and stops once.
+    #[test]
+    fn a_speed_of_zero_between_others_is_a_missing_sample() {
+        let told = |every: u32| {
+            let mut check = ValueCheck::default();
+            for k in 0..3000_u32 {
+                let time_s = f64::from(k) * 0.02;
+                let stops = if time_s < 50.0 { 1.0 } else { (60.0 - time_s) / 10.0 };
+                let speed_mps = (50.0 * stops + 0.3 * noise(k)).round().max(0.0) / 3.6;
+                let is_missing = every > 0 && k % every == 0;
+                let speed_mps = if is_missing { 0.0 } else { speed_mps };
+                check.push(&Sample { speed_mps, ..Sample::absent(u64::from(k) * 20_000) });
+            }
+            assert_eq!((check.coarse(), check.dead()), (None, None));
+            check.missing()
+        };
+        assert_eq!(told(0), None);
+        for every in [5, 20, 50] {
+            assert!(told(every).unwrap().contains("of the speed is exactly 0"), "{every}");
+        }
     }
 }

@@ -9,14 +9,13 @@ use cg_vehicle::side_wind::SideWind;
 use cg_vehicle::wind::{GUST_S, GUSTS};
 use serde::{Deserialize, Serialize};
 
+use super::by_wind::ByWind;
 use super::tilts::height_sd_of_ratio_m;
 
 /// Half-life of the weight of straight driving before a turn, as in the estimator, s.
 const FADE_S: f64 = 2.0;
 /// Time between samples that says nothing of the heading between them, s.
 const GAP_S: f64 = 1.0;
-/// Share of the variance above which the wind is reported.
-const MUCH: f64 = 0.25;
 /// Least speed at which a lateral acceleration tells how fast the heading changes, m/s.
 const MOVES_MPS: f64 = 3.0;
 
@@ -177,28 +176,31 @@ impl Gusts {
         self.sum.is_sound() && self.maneuvers.is_finite() && self.maneuvers >= 0.0
     }
 
-    /// Relative standard deviation of the ratio of a channel due to the wind, at a speed, m/s, with a trailer mass, kg, and the height
+    /// The part of the wind in the ratio of a channel, relative, at a speed, m/s, with a trailer mass, kg, and the height
     /// of its c.g., m.
     ///
     /// The wind has the same direction in all of these maneuvers, and any. The suspension of the tractor is taken to roll by the
     /// same share as the trailer; it rolls by less.
-    pub fn ratio_sd(
+    pub fn in_ratio(
         &self,
         (side, design): (Option<SideWind>, &Design<f64>),
         channel: Channel,
         [speed_mps, trailer_mass_kg, height_m]: [f64; 3],
-    ) -> f64 {
+    ) -> ByWind {
         let load = [trailer_mass_kg, height_m];
-        let Some(side) = side.filter(|_| !self.is_none()) else { return 0.0 };
+        let Some(side) = side.filter(|_| !self.is_none()) else { return ByWind::default() };
         let (rolls, rad_per_mps) = match channel {
             Channel::Suspension => (channel, side.suspension_rad_per_mps(load)),
             _ => (Channel::LateralAcceleration, side.roll_rad_per_mps(load)),
         };
-        let Some(line) = design.line(rolls, speed_mps, trailer_mass_kg) else { return 0.0 };
+        let Some(line) = design.line(rolls, speed_mps, trailer_mass_kg) else {
+            return ByWind::default();
+        };
         let Gust { slopes: [first, second], random } = self.sum;
         let of_each = 0.5 * (first * first + second * second + GUSTS * GUSTS * random);
         let per_s = rad_per_mps / line.ratio_at(height_m);
-        (per_s * of_each.sqrt() / self.maneuvers).abs()
+        let sd = (per_s * of_each.sqrt() / self.maneuvers).abs();
+        ByWind { sd, is_stated: side.is_stated }
     }
 }
 
@@ -268,30 +270,18 @@ impl Windward {
         self.of_load
     }
 
-    /// What is said of the wind if it makes a large part of the variance of a height, which has this standard deviation, m, beside
-    /// that part.
-    pub fn message(by_wind_m: f64, other_m: f64) -> Option<String> {
-        let share = by_wind_m * by_wind_m / (by_wind_m * by_wind_m + other_m * other_m);
-        (share > MUCH).then(|| {
-            format!(
-                "a side wind as strong as wind.speed_mps of the vehicle file says makes up {:.0} % of the variance of the height: a \
-                 drive with turns in all directions, or a calm day with wind.speed_mps = 0, makes its interval narrower",
-                100.0 * share
-            )
-        })
-    }
-
-    /// Standard deviation of the height of a channel, m, due to the wind, at a speed, m/s, and a trailer mass, kg.
-    pub fn height_sd_m(
+    /// The part of the wind in the height of a channel, m, at a speed, m/s, and a trailer mass, kg.
+    pub fn in_height(
         &self,
         (side, design): (Option<SideWind>, &Design<f64>),
         (channel, height_m): (Channel, f64),
         [speed_mps, trailer_mass_kg]: [f64; 2],
-    ) -> f64 {
-        let Some(line) = design.line(channel, speed_mps, trailer_mass_kg) else { return 0.0 };
+    ) -> ByWind {
         let turn = [speed_mps, trailer_mass_kg, height_m];
-        let ratio_sd = self.of_load.ratio_sd((side, design), channel, turn);
-        height_sd_of_ratio_m(&line, height_m, ratio_sd)
+        let ratio = self.of_load.in_ratio((side, design), channel, turn);
+        let line = design.line(channel, speed_mps, trailer_mass_kg);
+        let sd = line.map_or(0.0, |line| height_sd_of_ratio_m(&line, height_m, ratio.sd));
+        ByWind { sd, ..ratio }
     }
 }
 
@@ -399,7 +389,7 @@ mod tests {
     fn a_wind_cancels_in_turns_from_opposite_directions() {
         let (design, turn) = (design(), [SPEED_MPS, MASS_KG, 2.0]);
         let side = (Some(side()), &design);
-        let sd = |gusts: Gusts| gusts.ratio_sd(side, Channel::LateralAcceleration, turn);
+        let sd = |gusts: Gusts| gusts.in_ratio(side, Channel::LateralAcceleration, turn).within();
         let mut one = Windward::default();
         drive(&mut one, 5_000_000, 1.0);
         one.close(&with_height(), false);
@@ -417,8 +407,8 @@ mod tests {
         assert!((found / by_gusts - 1.0).abs() < 1e-6, "{found} for {by_gusts}");
         assert!(found < 0.5 * sd(one.of_load()));
         // Without a side there is no wind; another load has turns of its own; a maneuver without a height does not count.
-        let without = both.of_load().ratio_sd((None, &design), Channel::Suspension, turn);
-        assert!(without.abs() <= 0.0);
+        let without = both.of_load().in_ratio((None, &design), Channel::Suspension, turn);
+        assert!(without.within() <= 0.0 && without.message(0.0).is_none());
         let before = both.of_load();
         drive(&mut both, 90_000_000, 1.0);
         both.close(&maneuver(), false);
@@ -433,8 +423,7 @@ mod tests {
     fn side() -> SideWind {
         let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/vehicles/euro.toml");
         let mut vehicle = cg_vehicle::Vehicle::load(file).unwrap();
-        let (side_area_m2, side_height_m, speed_mps) = (36.0, 2.4, 3.0);
-        vehicle.wind = Some(cg_vehicle::wind::Wind { side_area_m2, side_height_m, speed_mps });
+        vehicle.wind = Some(cg_vehicle::wind::Wind::USUAL);
         SideWind::of(&vehicle).unwrap().unwrap()
     }
 
@@ -461,7 +450,7 @@ mod tests {
         let (design, channel) = (design(), Channel::LateralAcceleration);
         let side = (Some(side()), &design);
         let of = |one: Windward, channel: Channel| {
-            one.of_load().ratio_sd(side, channel, [SPEED_MPS, MASS_KG, 2.0])
+            one.of_load().in_ratio(side, channel, [SPEED_MPS, MASS_KG, 2.0]).within()
         };
         let [found, expected] = [windward, by_path].map(|one| of(one, channel));
         let suspension = of(by_path, Channel::Suspension) / of(by_path, channel);
@@ -470,14 +459,7 @@ mod tests {
             expected > 0.005 && (found / expected - 1.0).abs() < 1e-9,
             "{found} for {expected}"
         );
-        let height_sd_m = by_path.height_sd_m(side, (channel, 2.0), [SPEED_MPS, MASS_KG]);
+        let height_sd_m = by_path.in_height(side, (channel, 2.0), [SPEED_MPS, MASS_KG]).within();
         assert!((height_sd_m / (2.0 * expected) - 1.0).abs() < 1e-9, "{height_sd_m}");
-    }
-
-    #[test]
-    fn a_wind_that_is_a_quarter_of_the_variance_is_told() {
-        let told = |by_wind_m: f64| Windward::message(by_wind_m, 0.1);
-        assert!(told(0.057).is_none() && told(0.0).is_none());
-        assert!(told(0.1).unwrap().contains("50 % of the variance"));
     }
 }

@@ -149,9 +149,13 @@ impl Header<'_> {
         if taken || self.claimed.contains(&signal) {
             return Ok(());
         }
+        let clock = heading.stated == Stated::Clock && signal == Signal::Time;
+        let is_clear = !matches!(heading.stated, Stated::Units(_));
         match unit {
+            // It is read as seconds, whatever its name says.
+            Some(_) if clock => self.add(index, signal, signal.si()),
             Some(unit) if self.agrees(index, signal, unit) => self.add(index, signal, unit),
-            None if !standard => Ok(()),
+            None if !standard && is_clear => Ok(()),
             _ => Err(self.unknown_unit(index, signal)),
         }
     }
@@ -160,6 +164,7 @@ impl Header<'_> {
     fn agrees(&self, index: usize, signal: Signal, unit: Unit) -> bool {
         match &self.names[index].stated {
             Stated::Unit(text) => signal.spelled(text) == Some(unit),
+            Stated::Units(both) => both.iter().all(|text| signal.spelled(text) == Some(unit)),
             Stated::Nothing | Stated::Clock => true,
         }
     }

@@ -100,7 +100,7 @@ pub enum LogError {
     MissingColumn { place: Place, wanted: Box<str>, found: Box<str>, remedy: Box<str> },
     /// A column with a known signal name has an unknown unit.
     #[error(
-        "{place}, {column}: unknown unit; the units of {signal} are {accepted}; rename the column, \
+        "{place}, {column}: unknown unit, or two different ones; the units of {signal} are {accepted}; rename the column, \
          or give column and unit with ⟨columns {signal}=NAME[{}]⟩", .signal.usual_unit()
     )]
     UnknownUnit { place: Place, column: ColumnName, signal: Signal, accepted: Box<str> },

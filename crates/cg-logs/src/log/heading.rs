@@ -11,6 +11,8 @@ pub(super) enum Stated {
     Nothing,
     /// The unit, in a row below the names or in brackets after the name.
     Unit(Box<str>),
+    /// Two units, which are not the same: one in brackets after the name, and one in the row below.
+    Units([Box<str>; 2]),
     /// The values are points in time, or durations, that are read as seconds.
     Clock,
 }
@@ -36,15 +38,20 @@ impl Heading {
 
     /// Takes the unit from a row of units, if the cell contains one.
     pub(super) fn take_unit(&mut self, cell: &str) {
-        if let Some(unit) = unit_of(cell) {
-            self.stated = Stated::Unit(unit.into());
-        }
+        let Some(unit) = unit_of(cell) else { return };
+        self.stated = match std::mem::replace(&mut self.stated, Stated::Nothing) {
+            Stated::Unit(before) if *before != *unit => Stated::Units([before, unit.into()]),
+            _ => Stated::Unit(unit.into()),
+        };
     }
 
     /// The unit that the file gives for this signal: stated, or as the suffix of the name.
     pub(super) fn unit(&self, signal: Signal) -> Option<Unit> {
         match &self.stated {
             Stated::Unit(text) => signal.spelled(text),
+            Stated::Units([first, second]) => {
+                signal.spelled(first).filter(|unit| signal.spelled(second) == Some(*unit))
+            }
             Stated::Clock => (signal == Signal::Time).then(|| signal.si()),
             Stated::Nothing => {
                 self.name.rsplit_once('_').and_then(|(_, suffix)| signal.unit(suffix))
@@ -57,6 +64,7 @@ impl Heading {
         let suffix = self.name.rsplit_once('_').map(|(_, suffix)| suffix);
         match &self.stated {
             Stated::Unit(text) => signal.spelled(text).is_none(),
+            Stated::Units(_) => self.unit(signal).is_none(),
             Stated::Clock => signal != Signal::Time,
             Stated::Nothing => suffix.is_some_and(|suffix| {
                 signal.unit(suffix).is_none() && Signal::any_has_unit(suffix)

@@ -22,6 +22,14 @@ pub enum OutputError {
         /// The option that would write it.
         output: String,
     },
+    /// The output is `-`, which is standard output elsewhere.
+    #[error(
+        "{output} -: nothing is written to standard output here; name a file, ./- if it is to be called so"
+    )]
+    Dash {
+        /// The option that would write it.
+        output: String,
+    },
     /// The standard output of this call is an input of it.
     #[error(
         "{path}: is given to {input} and is standard output, which would change it; redirect standard output to \

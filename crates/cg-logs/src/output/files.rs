@@ -91,6 +91,9 @@ impl Files {
     /// # Errors
     /// [`OutputError`] with the conflict.
     pub fn writes(&mut self, flag: &str, path: &Path, kind: Kind) -> Result<Target, OutputError> {
+        if path.as_os_str() == "-" {
+            return Err(OutputError::Dash { output: flag.to_owned() });
+        }
         let mut target =
             Target { path: path.to_owned(), flag: flag.to_owned(), kind, force: self.force };
         if let Some(named) = Named::new(flag, path) {

@@ -143,3 +143,23 @@ fn other_formats_are_named_with_what_to_do() {
         refused(head, &words);
     }
 }
+
+/// A unit in brackets and another one in the row below: neither is used.
+#[test]
+fn two_units_of_a_column_must_be_the_same() {
+    let log = |unit: &str| {
+        format!(
+            "time_s,steer_rad,roll_rad,Speed [km/h],v [km/h]\ns,rad,rad,{unit},{unit}\n0,0,0,36,72\n"
+        )
+    };
+    for same in ["km/h", "kmh", "-"] {
+        assert!((read(log(same)).unwrap()[0].speed_mps - 10.0).abs() < 1e-9, "{same}");
+    }
+    let reasons =
+        ["line 2, column 4 `Speed [km/h]`", "two different ones", "⟨columns speed=NAME[kmh]⟩"];
+    refused(log("mph"), &reasons);
+    let told = read_as(log("mph"), &options(&["speed=v"], &[])).unwrap_err().to_string();
+    assert!(told.contains("two different ones"), "{told}");
+    let given = read_as(log("mph"), &options(&["speed=v[kmh]"], &[])).unwrap();
+    assert!((given[0].speed_mps - 20.0).abs() < 1e-9);
+}

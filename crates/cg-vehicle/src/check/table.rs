@@ -258,7 +258,7 @@ const ROAD: &[Key] = &[
 const WIND: &[Key] = &[
     number("side_area_m2", "m²", [5.0, 45.0], [0.1, 100.0], "area of body and load seen from the side"),
     number("side_height_m", "m", [1.3, 3.2], [0.5, 4.5], "height of the middle of that area"),
-    number("speed_mps", "m/s", [0.0, 8.0], [0.0, 30.0], "root mean square of the wind's speed at that height, from any direction").optional(),
+    number("speed_mps", "m/s", [0.0, 8.0], [0.0, 30.0], "root mean square of the wind's speed at that height, from any direction").optional().or(0.0, "calm"),
 ];
 
 #[rustfmt::skip]

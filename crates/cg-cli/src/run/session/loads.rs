@@ -8,6 +8,7 @@ use cg_logs::estimate::{
 };
 
 use super::Session;
+use crate::run::doubted::DoubtedMass;
 use crate::run::events::{MassSource, Result as Known};
 use crate::run::state::Found;
 
@@ -28,6 +29,8 @@ impl<W: Write> Session<W> {
                 let Some(estimator) = restored else { return Ok(false) };
                 self.estimator = estimator;
                 (self.load_since_s, self.weighing.scale) = (state.load_since_s, state.scale);
+                self.weighing.kept_sd_kg = state.mass_sd_kg;
+                self.wrong_before = state.wrong_signal;
                 self.weighing.weighed = Weighed::kept(state.mass_is_of_another_load);
                 self.strong = StrongTurns::kept(state.strength);
                 self.windward = Windward::kept(state.gusts);
@@ -59,8 +62,12 @@ impl<W: Write> Session<W> {
     /// next maneuver of the new load shows the same to the estimator, which then discards its heights.
     pub(super) fn unload(&mut self, sample: &Sample<f64>, is_first: bool) -> io::Result<()> {
         let (mass_kg, known_kg) = (sample.trailer_mass_kg, self.known.trailer_mass_kg);
-        if std::mem::take(&mut self.kept_mass_is_doubted) && is_other_load(mass_kg, known_kg) {
+        let is_other = is_other_load(mass_kg, known_kg);
+        if self.doubted.hides && is_other {
             self.hidden_kg = Some(known_kg); // the turns were right
+        }
+        if self.doubted.was_old || is_other {
+            self.doubted = DoubtedMass::default();
         }
         if let Some(hidden_kg) = self.hidden_kg {
             if !is_other_load(mass_kg, hidden_kg) {
@@ -69,7 +76,7 @@ impl<W: Write> Session<W> {
             return Ok(());
         }
         let settings = Settings::<f64>::truck();
-        if self.known.height_m.is_none() || !is_other_load(mass_kg, known_kg) {
+        if self.known.height_m.is_none() || !is_other {
             self.other_mass_us = None;
             return Ok(());
         }
@@ -88,42 +95,51 @@ impl<W: Write> Session<W> {
         self.notice("load", &message)
     }
 
-    /// Hides the height of a load that was weighed before a restart, or some minutes ago, if a turn says that another one is on
-    /// the trailer: at the old mass its height is impossible. The next turn with a possible height shows it again.
-    pub(super) fn doubt_kept_mass(&mut self, maneuver: &Maneuver<f64>) -> io::Result<()> {
+    /// Hides the height if a turn says that another load is on the trailer: at the mass that is known its height is impossible.
+    /// One turn says it of a load that was weighed before a restart, or some minutes ago; two in a row say it of any, because a
+    /// signal may still give the mass of before. The next turn with a possible height shows it again.
+    pub(super) fn doubt_mass(&mut self, maneuver: &Maneuver<f64>) -> io::Result<()> {
         let impossible_m = maneuver.outcomes.iter().find_map(|one| match one.height_m {
             Err(Reject::Height(HeightError::OutOfRange { height_m })) => Some(height_m),
             _ => None,
         });
-        let is_possible = maneuver.outcomes.iter().any(|one| one.height_m.is_ok());
-        let was_doubted = self.kept_mass_is_doubted;
+        if maneuver.outcomes.iter().any(|one| one.height_m.is_ok()) {
+            self.doubted = DoubtedMass::default();
+            return Ok(());
+        }
+        let Some(height_m) = impossible_m else { return Ok(()) };
+        let is_high = height_m > self.estimator.design().reference_height_m;
+        let is_again = self.doubted.is_high.replace(is_high) == Some(is_high);
         let is_old = match self.mass_source {
             MassSource::Kept => true,
             MassSource::Signal => !self.weighing.weighed.covers(maneuver.start_us),
             _ => false,
         };
-        match impossible_m {
-            _ if is_possible || !is_old => {
-                self.kept_mass_is_doubted = false;
-            }
-            Some(height_m) if !was_doubted => {
-                self.kept_mass_is_doubted = true;
-                let mass_kg = self.known.trailer_mass_kg;
-                let message = format!(
-                    "a turn gives a height of {height_m:.2} m, which no load has at the trailer mass of {mass_kg:.0} kg that was \
-                     known before, and no signal has given another one: the trailer was loaded or unloaded, so the height of the \
-                     load before is not shown; give --trailer-mass-kg or a signal of the mass"
-                );
-                return self.notice("load", &message);
-            }
-            _ => {}
+        let shows = self.known.height_m.is_some();
+        if self.doubted.hides || !(is_old || is_again && shows) {
+            return Ok(());
         }
-        Ok(())
+        (self.doubted.hides, self.doubted.was_old) = (true, is_old);
+        let mass_kg = self.known.trailer_mass_kg;
+        let message = if is_old {
+            format!(
+                "a turn gives a height of {height_m:.2} m, which no load has at the trailer mass of {mass_kg:.0} kg that was \
+                 known before, and no signal has given another one: the trailer was loaded or unloaded, so the height of the \
+                 load before is not shown; give --trailer-mass-kg or a signal of the mass"
+            )
+        } else {
+            format!(
+                "two turns in a row give a height that no load has at the trailer mass of {mass_kg:.0} kg, now {height_m:.2} m: the \
+                 trailer was loaded or unloaded, and the mass stayed that of before, or a sensor is wrong; the height so far is \
+                 not shown until a turn gives a possible one"
+            )
+        };
+        self.notice("load", &message)
     }
 
     /// The mass of a load whose height is hidden, if the trailer still has another one, kg.
     pub(super) fn hidden_mass_kg(&mut self) -> Option<f64> {
-        if self.kept_mass_is_doubted {
+        if self.doubted.hides {
             return Some(self.known.trailer_mass_kg);
         }
         let mass_kg = self.trailer_mass_kg.or(self.weighed_kg)?;

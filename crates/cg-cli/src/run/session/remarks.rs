@@ -3,7 +3,7 @@
 use std::io::{self, Write};
 
 use cg_core::{Channel, Combined, Maneuver, Outcome, Quantity, Reject};
-use cg_logs::estimate::{Doubt, RoadPart, Strength, Verdict, Windward};
+use cg_logs::estimate::{ByWind, Doubt, RoadPart, Strength, Verdict};
 
 use super::Session;
 use crate::run::channels::{self, mass_sd_m};
@@ -17,7 +17,7 @@ impl<W: Write> Session<W> {
         self.report_strength()?;
         self.report_wind(maneuver.speed_mps)?;
         self.report_left_out()?;
-        self.report_empty()?;
+        self.report_unlikely()?;
         self.report_lift_axle()?;
         self.report_unconfirmed()?;
         if let Some(message) = self.options.unplaced(&maneuver.outcomes) {
@@ -102,11 +102,14 @@ impl<W: Write> Session<W> {
         }
     }
 
-    /// Reports that a trailer that is empty by its mass has another height than it should.
-    fn report_empty(&mut self) -> io::Result<()> {
+    /// Reports that a height is unusual for a load, and that a trailer that is empty by its mass has another one than it should.
+    fn report_unlikely(&mut self) -> io::Result<()> {
+        let mass_kg = self.known.trailer_mass_kg;
+        let unlike = |height_m| self.options.unlike_load(mass_kg, height_m);
+        let found = self.known.height_m.map(unlike).unwrap_or_default();
+        self.notice_of_load("height", &found)?;
         let is_weighed = matches!(self.mass_source, MassSource::Signal | MassSource::Given);
         let found = self.known.measured_m.filter(|_| is_weighed);
-        let mass_kg = self.known.trailer_mass_kg;
         let message = found.and_then(|height| self.options.unlike_empty(mass_kg, height));
         self.notice_of_load("empty", message.as_slice())
     }
@@ -133,9 +136,9 @@ impl<W: Write> Session<W> {
         let known = &self.known;
         let Some(height_m) = known.height_m else { return 0.0 };
         let mass_kg = [known.trailer_mass_kg, known.trailer_mass_sd_kg];
-        // Right after a restart there is no speed yet.
+        // That of the turns: at the present one, of a truck that stands, the design says nothing.
         let nominal_mps = self.estimator.design().nominal_speed_mps;
-        let speed_mps = if self.speed_mps.is_finite() { self.speed_mps } else { nominal_mps };
+        let speed_mps = if self.height_mps.is_finite() { self.height_mps } else { nominal_mps };
         let by_mass_m = mass_sd_m(&self.estimator, speed_mps, mass_kg, height_m);
         let left_out_m = self.doubt().map_or(0.0, |doubt| doubt.sd_m);
         let by_lean = self.leaning.height_sd(self.options.lean, known.trailer_mass_kg);
@@ -146,28 +149,29 @@ impl<W: Write> Session<W> {
             let by_tilts_m = self.tilts.height_sd_m(design, height, turn);
             libm::hypot(by_tilts_m, self.rated.height_sd_m(design, height, turn))
         });
-        [by_turns * height_m, left_out_m, by_sensors_m, self.by_wind_m(speed_mps)]
+        let by_wind_m = self.by_wind(speed_mps).within();
+        [by_turns * height_m, left_out_m, by_sensors_m, by_wind_m]
             .into_iter()
             .fold(by_mass_m, libm::hypot)
     }
 
-    /// The part of a side wind in it, m, at a speed, m/s.
-    fn by_wind_m(&self, speed_mps: f64) -> f64 {
+    /// The part of a side wind in the height, m, at a speed, m/s.
+    fn by_wind(&self, speed_mps: f64) -> ByWind {
         let known = &self.known;
         let best = known.height_m.zip(self.estimator.best_channel());
         let side = (self.options.side_wind, self.estimator.design());
-        best.map_or(0.0, |(height_m, channel)| {
+        best.map_or_else(ByWind::default, |(height_m, channel)| {
             let turn = [speed_mps, known.trailer_mass_kg];
-            self.windward.height_sd_m(side, (channel, height_m), turn)
+            self.windward.in_height(side, (channel, height_m), turn)
         })
     }
 
-    /// Reports that a side wind makes a large part of the interval.
+    /// Reports that a side wind makes a large part of the interval, or that it does not contain one.
     fn report_wind(&mut self, speed_mps: f64) -> io::Result<()> {
-        let by_wind_m = self.by_wind_m(speed_mps);
+        let by_wind = self.by_wind(speed_mps);
         let found = self.known.height_sd_m.and_then(|sd_m| {
-            let rest = sd_m * sd_m - by_wind_m * by_wind_m;
-            Windward::message(by_wind_m, rest.max(0.0).sqrt())
+            let rest = sd_m * sd_m - by_wind.within() * by_wind.within();
+            by_wind.message(rest.max(0.0).sqrt())
         });
         self.notice_of_load("wind", found.as_slice())
     }
@@ -224,13 +228,19 @@ impl<W: Write> Session<W> {
     /// What is wrong with levels or a specific force from which there is a height, with any signal that has zeros for missing
     /// samples, or with signals that contradict each other in turns.
     pub(super) fn wrong_signal(&self) -> Option<String> {
+        let found = self.wrong_text()?;
+        Some(format!("inconsistent, so there is no height: {found}"))
+    }
+
+    /// The same without what follows from it; after a restart, what was wrong before.
+    pub(super) fn wrong_text(&self) -> Option<String> {
         let is_used = |channel: Channel| self.estimator.height(channel).is_some();
         let gravity_mps2 = self.estimator.design().gravity_mps2;
         let of_chassis =
             self.sensors.wrong_chassis((gravity_mps2, true), self.options.road, is_used);
         let missing = || self.sensors.missing().filter(|_| self.estimator.combined().is_some());
         let disagreement = || self.sensors.disagreement(gravity_mps2, true);
-        let found = of_chassis.or_else(missing).or_else(disagreement)?;
-        Some(format!("inconsistent, so there is no height: {found}"))
+        let found = of_chassis.or_else(missing).or_else(disagreement);
+        found.or_else(|| self.wrong_before.clone())
     }
 }

@@ -462,7 +462,7 @@ fn heights_and_a_weighed_mass_are_kept_over_a_restart() {
 #[test]
 fn strong_turns_are_kept_while_there_is_no_height() {
     let mut session = session(None, 0.0);
-    let strength = cg_logs::estimate::Strength { greatest: 0.75, braking_mps2: 0.0, sd: 0.09 };
+    let strength = cg_logs::estimate::Strength { greatest: 0.75, sd: 0.09, ..Default::default() };
     session.strong = StrongTurns::kept(strength);
     learn(&mut session, [Some(1.5), Some(2.0)]);
     assert!(!session.has_height());

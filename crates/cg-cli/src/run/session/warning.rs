@@ -22,6 +22,7 @@ impl<W: Write> Session<W> {
             self.known.at_speed(self.estimator.design(), self.speed_mps);
         }
         if is_judged {
+            self.wrong_before.take_if(|_| self.sensors.is_known());
             self.judge_signals()?;
         }
         self.follow(sample.time_us, lateral_mps2)

@@ -101,8 +101,10 @@ fn an_impossible_turn_with_an_old_mass_hides_the_height() {
         session.maneuver(&one).unwrap();
         assert_eq!(session.known.height_m.is_none(), is_hidden, "{source:?}");
         assert_eq!(names(&mut session).contains(&"load".to_owned()), is_hidden);
+        // A mass that is given now is doubted after two.
         session.maneuver(&one).unwrap();
-        assert!(!names(&mut session).contains(&"load".to_owned()), "told once");
+        assert!(session.known.height_m.is_none());
+        assert_eq!(names(&mut session).contains(&"load".to_owned()), !is_hidden, "told once");
         if is_hidden {
             // A signal confirms that it is another load.
             let mut weighs = restarted();
@@ -147,5 +149,107 @@ fn a_mass_that_stays_the_same_with_another_load_is_told() {
             is_told,
             "{source:?}"
         );
+    }
+}
+
+/// A signal that goes on to give the mass of the load before does not show its height again, and neither do turns that are
+/// impossible to the other side.
+#[test]
+fn two_impossible_turns_in_a_row_hide_the_height() {
+    let mut one = {
+        let mut session = session(Some(nominal_kg()), 0.0);
+        turn(&mut session, 0);
+        session.estimator.finish().unwrap()
+    };
+    let mut shown_after = |heights_m: [f64; 2]| {
+        let mut session = restarted();
+        session.mass_source = MassSource::Signal;
+        for (time_us, height_m) in [SECOND_US, 2 * SECOND_US].into_iter().zip(heights_m) {
+            weighed(&mut session, time_us, nominal_kg());
+            (one.start_us, one.end_us) = (time_us, time_us);
+            for outcome in &mut one.outcomes {
+                outcome.height_m = Err(Reject::Height(HeightError::OutOfRange { height_m }));
+            }
+            session.maneuver(&one).unwrap();
+        }
+        weighed(&mut session, 3 * SECOND_US, nominal_kg());
+        session.update(nominal_kg());
+        let told = events(&mut session);
+        let is_told = told.iter().any(|event| event.to_string().contains("two turns in a row"));
+        assert_eq!(is_told, session.known.height_m.is_none(), "{told:?}");
+        session.known.height_m.is_some()
+    };
+    assert!(!shown_after([7.7, 7.8]) && !shown_after([0.3, 0.3]));
+    assert!(shown_after([7.7, 0.3]) && shown_after([0.3, 7.7]));
+}
+
+/// At a walking pace a design says nothing of heights, but the mass in the turns before is as uncertain as it was.
+#[test]
+fn a_truck_that_stands_has_the_interval_of_its_turns() {
+    let one = {
+        let mut session = session(Some(nominal_kg()), 0.0);
+        turn(&mut session, 0);
+        session.estimator.finish().unwrap()
+    };
+    let mut session = session(None, 0.0);
+    learn(&mut session, [Some(2.0), Some(2.0)]);
+    let before_m = session.known.height_sd_m.unwrap();
+    assert!(before_m > 0.3, "any load: {before_m}");
+    session.maneuver(&one).unwrap();
+    for speed_mps in [15.0, 1.0, 0.0] {
+        session.speed_mps = speed_mps;
+        session.update(nominal_kg());
+        let found_m = session.known.height_sd_m.unwrap();
+        assert!((found_m / before_m - 1.0).abs() < 0.05, "{speed_mps} m/s: {found_m} {before_m}");
+    }
+}
+
+/// What a mass was given with is not forgotten, whether by an option or beside it in a log.
+#[test]
+fn a_restart_keeps_how_exact_a_mass_is() {
+    for (given_kg, option_kg, logged_kg) in
+        [(Some(20e3), Some(1100.0), None), (None, None, Some(1100.0)), (None, Some(1100.0), None)]
+    {
+        let folder = tempfile::tempdir().unwrap();
+        let mut session = kept_in(folder.path(), given_kg);
+        (session.weighing.sd_kg, session.weighing.logged_sd_kg) = (option_kg, logged_kg);
+        if given_kg.is_none() {
+            session.mass_source = MassSource::Signal;
+        }
+        let memory = memory([Some(2.0), None], 20e3);
+        session.estimator = Engine::restored(&design(), &session.options, &memory).unwrap();
+        session.update(20e3);
+        session.save().unwrap();
+        let before_m = session.known.height_sd_m.unwrap();
+        // Twice, because what is kept is kept again.
+        for _ in 0..2 {
+            session = kept_in(folder.path(), None);
+            assert!(session.restore().unwrap());
+            let known = &session.known;
+            assert_eq!(known.trailer_mass_source, MassSource::Kept);
+            assert!((known.trailer_mass_sd_kg - 1100.0).abs() < 1e-9);
+            let sd_m = known.height_sd_m.unwrap();
+            assert!((sd_m / before_m - 1.0).abs() < 1e-6, "{sd_m} {before_m}");
+            session.save().unwrap();
+        }
+    }
+}
+
+/// As in `cg estimate`, once for each load.
+#[test]
+fn a_height_that_no_load_has_is_told() {
+    let one = {
+        let mut session = session(Some(nominal_kg()), 0.0);
+        turn(&mut session, 0);
+        session.estimator.finish().unwrap()
+    };
+    for (height_m, is_told) in [(2.4, false), (2.7, true)] {
+        let mut session = restarted();
+        learn(&mut session, [Some(height_m), Some(height_m)]);
+        session.maneuver(&one).unwrap();
+        session.maneuver(&one).unwrap();
+        let told = names(&mut session);
+        let count = told.iter().filter(|name| *name == "height").count();
+        assert_eq!(count, usize::from(is_told), "{height_m} m: {told:?}");
     }
 }

@@ -102,8 +102,36 @@ fn the_noise_of_a_roll_rate_widens_the_interval() {
     let by_rate = session.rated.ratio_sd(Channel::LateralAcceleration);
     assert!(by_rate > 0.01, "{by_rate}");
     let (design, height) = (session.estimator.design(), (Channel::LateralAcceleration, 2.0));
-    let turn = [design.nominal_speed_mps, session.known.trailer_mass_kg];
+    let turn = [one.speed_mps, session.known.trailer_mass_kg];
     let by_rate_m = session.rated.height_sd_m(design, height, turn);
     let after_m = session.host_sd_m();
     assert!((after_m - before_m.hypot(by_rate_m)).abs() < 1e-9, "{before_m} {by_rate_m} {after_m}");
+}
+
+/// A restart knows nothing of the signals, but that they were wrong, until it has seen as much as it takes to know a gain.
+#[test]
+fn a_restart_keeps_that_signals_were_wrong() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut session = kept_in(folder.path(), None);
+    learn(&mut session, [Some(2.0), Some(2.0)]);
+    let wrong = |sample: &mut Sample<f64>| sample.lateral_acceleration_mps2 *= 1.3;
+    for minute in 0..3 {
+        weave(&mut session, 60 * minute, wrong);
+    }
+    assert_eq!(session.known.status, Verdict::Inconsistent);
+    session.save().unwrap();
+    for is_wrong in [true, false] {
+        let mut session = kept_in(folder.path(), None);
+        assert!(session.restore().unwrap());
+        assert_eq!(session.known.status, Verdict::Inconsistent);
+        for minute in 0..3 {
+            weave(&mut session, 60 * minute, |sample| {
+                if is_wrong {
+                    wrong(sample);
+                }
+            });
+            let found = session.wrong_signal();
+            assert_eq!(found.is_some(), is_wrong || minute < 2, "minute {minute}: {found:?}");
+        }
+    }
 }
