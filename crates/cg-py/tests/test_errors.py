@@ -176,7 +176,7 @@ def test_a_missing_column_comes_with_a_remedy_in_python(kind, kraz, turn, tmp_pa
 def test_a_frame_must_be_one(kraz, turn):
     with pytest.raises(ValueError, match="log is of type list: give a path or a data frame"):
         cgheight.estimate_log(list(turn.values()), vehicle=kraz)
-    with pytest.raises(ValueError, match="unknown unit; the units of roll are rad, deg"):
+    with pytest.raises(ValueError, match="two different ones; the units of roll are rad, deg"):
         cgheight.estimate_log(
             pd.DataFrame(turn).rename(columns={"roll_rad": "roll_grad"}), vehicle=kraz
         )

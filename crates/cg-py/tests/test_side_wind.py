@@ -29,7 +29,7 @@ UNIX_S = 1.79e9  # a date, as learning expects it
 
 @pytest.fixture(scope="module")
 def plain(tmp_path_factory) -> cgheight.Vehicle:
-    """A vehicle file that says nothing of the wind."""
+    """Load a vehicle file that says nothing of the wind."""
     text = (FIXTURES / "vehicles" / "euro.toml").read_text()
     file = tmp_path_factory.mktemp("plain") / "plain.toml"
     file.write_text(text.partition("[wind]")[0])
@@ -132,10 +132,11 @@ def test_a_side_wind_is_in_the_interval_if_the_file_describes_the_body(plain, bo
         step = found["rounded-step", load, 3.0, "with [wind]"]
         assert step.rms < 1.6 * step.stated
         assert step.stated < 2.0 * step.rms
-        # A file that says nothing of the body has intervals without the wind.
+        # A file that says nothing of the body has intervals without the wind, and messages on it.
         alone = found["rounded-step", load, 3.0, "without"]
         assert alone.stated < 0.7 * alone.rms
         assert alone.hold < alone.heights
+        assert alone.silent == 0
     # Nothing changes in a calm, but what is stated.
     calm = [found["drive", TEST, 0.0, name] for name in files]
     assert all(one.rms < 0.005 for one in calm)

@@ -95,7 +95,7 @@ struct Peak {
     path_mps2: f64,
     force_mps2: f64,
     braking_mps2: f64,
-    /// Mean acceleration, if the lateral acceleration was yaw rate times speed.
+    /// Mean acceleration, also a negative one, if the lateral acceleration was yaw rate times speed.
     #[serde(default)]
     speeding_mps2: f64,
     speed_mps: f64,
@@ -160,7 +160,7 @@ impl StrongTurns {
         let [path_mps2, force_mps2] = std::mem::take(&mut self.greatest_mps2);
         let slower_mps2 = self.braking.take_mps2();
         let braking_mps2 = slower_mps2.max(0.0);
-        let speeding_mps2 = if self.braking.by_yaw_rate { (-slower_mps2).max(0.0) } else { 0.0 };
+        let speeding_mps2 = if self.braking.by_yaw_rate { -slower_mps2 } else { 0.0 };
         let gave = maneuver.outcomes.map(|outcome| outcome.height_m.is_ok());
         let Maneuver { speed_mps, trailer_mass_kg, .. } = *maneuver;
         let motion = Peak { path_mps2, force_mps2, braking_mps2, speeding_mps2, ..Peak::default() };
@@ -204,7 +204,7 @@ pub struct Strength {
     #[serde(default)]
     pub braking_mps2: f64,
     /// Mean acceleration in turns whose lateral acceleration is yaw rate times speed, m/s². Older state files do not have it.
-    #[serde(default, skip_serializing_if = "is_zero")]
+    #[serde(default)]
     pub speeding_mps2: f64,
     /// Relative standard deviation that this adds to the height.
     pub sd: f64,
@@ -219,9 +219,11 @@ impl Strength {
         let braking =
             braking_mps2.iter().map(|mps2| BRAKING_S2_PER_M * (mps2 - FREE_MPS2).max(0.0));
         let greatest = shares.iter().copied().fold(0.0, f64::max);
-        let speeding = SPEEDING_S2_PER_M * mean(speeding_mps2);
+        // Turns in which the truck goes slower have the opposite error.
+        let speeding_mps2 = mean(speeding_mps2).max(0.0);
+        let speeding = SPEEDING_S2_PER_M * speeding_mps2;
         let sd = libm::hypot(mean(&strong), mean(&braking.collect::<Vec<_>>()) + speeding);
-        Self { greatest, braking_mps2: mean(braking_mps2), speeding_mps2: mean(speeding_mps2), sd }
+        Self { greatest, braking_mps2: mean(braking_mps2), speeding_mps2, sd }
     }
 
     /// Whether no turn came so near that it is kept over a restart.
@@ -266,11 +268,6 @@ impl Strength {
         });
         strong.into_iter().chain(braking).chain(speeding).collect()
     }
-}
-
-#[allow(clippy::trivially_copy_pass_by_ref, reason = "serde asks for it")]
-fn is_zero(number: &f64) -> bool {
-    *number <= 0.0
 }
 
 /// The mean; zero of no numbers.
@@ -424,6 +421,9 @@ mod tests {
         assert!((found.speeding_mps2 - 0.3).abs() < 0.01, "{found:?}");
         assert!((found.sd - 0.03).abs() < 0.001 && found.messages()[0].contains("went faster"));
         assert!(!found.is_none());
+        // Going slower in other turns makes up for it.
+        assert!((Strength::of(&[], &[], &[0.3, -0.1]).sd - 0.01).abs() < 1e-12);
+        assert!(Strength::of(&[], &[], &[0.1, -0.3]).sd <= 0.0);
         for other in
             [strength(true, Channel::LateralAcceleration), strength(false, Channel::Suspension)]
         {
