@@ -408,6 +408,13 @@ mod tests {
             check.missing()
         };
         assert_eq!(told(0), None);
+        // A speed that is held has steps as large as its motion.
+        let mut held = ValueCheck::default();
+        for k in 0..3000_u32 {
+            let speed_mps = f64::from(50 + k / 100 % 2) / 3.6;
+            held.push(&Sample { speed_mps, ..Sample::absent(u64::from(k) * 20_000) });
+        }
+        assert_eq!((held.coarse(), held.missing()), (None, None));
         for every in [5, 20, 50] {
             assert!(told(every).unwrap().contains("of the speed is exactly 0"), "{every}");
         }
