@@ -11,6 +11,13 @@ fn weighed(session: &mut Trial, time_us: u64, mass_kg: f64) {
     session.weigh(&mut sample).unwrap();
 }
 
+/// The maneuver of a turn of the nominal mass.
+pub(super) fn one_turn() -> Maneuver<f64> {
+    let mut session = session(Some(nominal_kg()), 0.0);
+    turn(&mut session, 0);
+    session.estimator.finish().unwrap()
+}
+
 /// A session after a restart with a height of 2 m of a load that was weighed.
 fn restarted() -> Trial {
     let mut session = session(None, 0.0);
@@ -76,11 +83,7 @@ fn a_contradiction_names_a_mass_that_nothing_confirms() {
 /// height again.
 #[test]
 fn an_impossible_turn_with_an_old_mass_hides_the_height() {
-    let mut one = {
-        let mut session = session(Some(nominal_kg()), 0.0);
-        turn(&mut session, 0);
-        session.estimator.finish().unwrap()
-    };
+    let mut one = one_turn();
     let impossible = Reject::Height(HeightError::OutOfRange { height_m: 7.7 });
     // The last mass of a signal may be older than two minutes.
     let weighings = [
@@ -123,11 +126,7 @@ fn an_impossible_turn_with_an_old_mass_hides_the_height() {
 /// file's, of which a message was given before.
 #[test]
 fn a_mass_that_stays_the_same_with_another_load_is_told() {
-    let mut one = {
-        let mut session = session(Some(nominal_kg()), 0.0);
-        turn(&mut session, 0);
-        session.estimator.finish().unwrap()
-    };
+    let mut one = one_turn();
     let cases = [
         (MassSource::Signal, 1.0, true),
         (MassSource::Given, 1.0, true),
@@ -156,11 +155,7 @@ fn a_mass_that_stays_the_same_with_another_load_is_told() {
 /// impossible to the other side.
 #[test]
 fn two_impossible_turns_in_a_row_hide_the_height() {
-    let mut one = {
-        let mut session = session(Some(nominal_kg()), 0.0);
-        turn(&mut session, 0);
-        session.estimator.finish().unwrap()
-    };
+    let mut one = one_turn();
     let mut shown_after = |heights_m: [f64; 2]| {
         let mut session = restarted();
         session.mass_source = MassSource::Signal;
@@ -186,11 +181,7 @@ fn two_impossible_turns_in_a_row_hide_the_height() {
 /// At a walking pace a design says nothing of heights, but the mass in the turns before is as uncertain as it was.
 #[test]
 fn a_truck_that_stands_has_the_interval_of_its_turns() {
-    let one = {
-        let mut session = session(Some(nominal_kg()), 0.0);
-        turn(&mut session, 0);
-        session.estimator.finish().unwrap()
-    };
+    let one = one_turn();
     let mut session = session(None, 0.0);
     learn(&mut session, [Some(2.0), Some(2.0)]);
     let before_m = session.known.height_sd_m.unwrap();
@@ -238,11 +229,7 @@ fn a_restart_keeps_how_exact_a_mass_is() {
 /// As in `cg estimate`, once for each load.
 #[test]
 fn a_height_that_no_load_has_is_told() {
-    let one = {
-        let mut session = session(Some(nominal_kg()), 0.0);
-        turn(&mut session, 0);
-        session.estimator.finish().unwrap()
-    };
+    let one = one_turn();
     for (height_m, is_told) in [(2.4, false), (2.7, true)] {
         let mut session = restarted();
         learn(&mut session, [Some(height_m), Some(height_m)]);

@@ -1,5 +1,6 @@
 //! Sensors that fail while the truck drives.
 
+use super::mass::one_turn;
 use super::*;
 use cg_core::Channel;
 use cg_logs::log::LogRow;
@@ -84,11 +85,7 @@ fn a_roll_sensor_that_dies_is_told_after_three_turns() {
 /// The noise of a roll rate whose integral is the roll angle is in the interval, as in `cg estimate`.
 #[test]
 fn the_noise_of_a_roll_rate_widens_the_interval() {
-    let mut one = {
-        let mut session = session(Some(nominal_kg()), 0.0);
-        turn(&mut session, 0);
-        session.estimator.finish().unwrap()
-    };
+    let mut one = one_turn();
     one.outcomes[1].height_m = Ok(Measured { value: 2.0, sd: 0.01 });
     let mut session = session(None, 0.0);
     learn(&mut session, [None, Some(2.0)]);
