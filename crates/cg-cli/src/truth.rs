@@ -99,7 +99,11 @@ impl Truth {
             Self::Of(known) => known,
             Self::OfAll(height_m) => return Ok(Some(*height_m)),
         };
-        let common = |one: &KnownHeight| one.log.components().count().min(log.components().count());
+        // The same path says more than one that goes on.
+        let common = |one: &KnownHeight| {
+            let shorter = one.log.components().count().min(log.components().count());
+            (one.log == log, shorter)
+        };
         let named = || known.iter().filter(|one| one.names(log));
         let Some(most) = named().map(common).max() else { return Ok(None) };
         let mut best = named().filter(|one| common(one) == most);
@@ -139,6 +143,7 @@ mod tests {
             assert_eq!(height_m(&known, "z/log.csv"), None);
         }
         assert_eq!(height_m(&[("log.csv", 1.5), ("x/log.csv", 1.9)], "x/log.csv"), Some(1.9));
+        assert_eq!(height_m(&[("a/x/log.csv", 1.5), ("x/log.csv", 1.9)], "x/log.csv"), Some(1.9));
         assert_eq!(height_m(&[("log.csv", 1.5)], "x/log.csv"), Some(1.5));
         assert_eq!(height_m(&[("x/log.csv", 1.5)], "log.csv"), Some(1.5));
         assert_eq!(height_m(&[("a_log.csv", 1.5)], "log.csv"), None);
