@@ -80,6 +80,10 @@ fn broken_sensors() -> Vec<Fault> {
         fault("roll ends at 1 degree", SENSOR, |k, row| {
             row.roll_rad = row.roll_rad.clamp(-0.0175, 0.0175) + 1e-4 * white(k);
         }),
+        fault("lateral acceleration alone ends at 1 m/s²", &["cut off"], |_, row| {
+            (row.steer_rad, row.yaw_rate_radps) = (f64::NAN, f64::NAN);
+            row.lateral_acceleration_mps2 = row.lateral_acceleration_mps2.clamp(-1.0, 1.0);
+        }),
         fault("dead band of 0.5 degrees", SENSOR, |k, row| {
             let beyond = (row.roll_rad.abs() - 0.0087).max(0.0);
             row.roll_rad = beyond.copysign(row.roll_rad) + 1e-4 * white(k);

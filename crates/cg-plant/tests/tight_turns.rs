@@ -141,3 +141,78 @@ fn intervals_hold_in_turns_of_a_yard() {
     println!("{heights} of 200");
     assert!(heights >= 160, "{heights}");
 }
+
+/// Roundabouts to both sides, one after the other, each entered and left within most of its radius.
+fn roundabouts(radius_m: f64) -> Road {
+    let shares = [(0.8, 1.0), (3.1, 1.0), (0.8, 0.0), (2.5, 0.0)];
+    let mut points = Vec::new();
+    let mut distance_m = 0.0;
+    let mut add = |length_m: f64, curvature_per_m: f64| {
+        distance_m += length_m;
+        let speed_mps = 6.0;
+        points.push(RoadPoint {
+            distance_m,
+            curvature_per_m,
+            bank_rad: 0.0,
+            grade_rad: 0.0,
+            speed_mps,
+        });
+    };
+    add(0.0, 0.0);
+    add(40.0, 0.0);
+    for side in [1.0, -1.0, 1.0, -1.0] {
+        for (length, share) in shares {
+            add(length * radius_m, side * share / radius_m);
+        }
+    }
+    Road::new("roundabouts", points).unwrap()
+}
+
+/// A compensated accelerometer in roundabouts, where the circle of the trailer is smaller than that of the tractor by as much as
+/// gravity would make its force greater. Correct forces have no such message.
+#[test]
+fn a_specific_force_without_gravity_gives_no_height_in_roundabouts() {
+    for name in ["euro", "kraz", "air"] {
+        let vehicle = common::vehicle(&format!("{name}.toml"));
+        let design = cg_vehicle::design::design(&vehicle, Variant::Complete).unwrap();
+        let load = vehicle.reference_load();
+        for radius_m in [18.0, 22.0, 30.0] {
+            let scenario = Scenario { duration_s: 80.0, ..Scenario::of(&vehicle, Maneuver::Drive) };
+            let scenario = Scenario { load, rate_hz: 50.0, ..scenario };
+            let (road, sensors) = (roundabouts(radius_m), ChassisSensors::default());
+            let rows = LogSimulation::on_road(&vehicle, scenario, &road, &sensors).unwrap().rows();
+            for compensated in [false, true] {
+                let mut estimator = LogEstimator::from_design(
+                    &design,
+                    vehicle.align_settings(),
+                    EstimateOptions::default(),
+                );
+                for row in &rows {
+                    let force_mps2 = if compensated {
+                        row.lateral_acceleration_mps2
+                    } else {
+                        row.lateral_specific_force_mps2
+                    };
+                    let pair = LogRow {
+                        time_s: row.time_s,
+                        speed_mps: row.speed_mps,
+                        yaw_rate_radps: row.yaw_rate_radps,
+                        suspension_roll_rad: row.suspension_roll_rad,
+                        lateral_specific_force_mps2: force_mps2,
+                        ..LogRow::ABSENT
+                    };
+                    estimator.push(&pair).unwrap();
+                }
+                let found = estimator.finish();
+                let told = found.messages.join("; ");
+                let case = format!("{name} {radius_m} m, {compensated}: {told}");
+                let is_told = told.contains("does not contain the gravity");
+                assert_eq!(
+                    (is_told, found.height_m.is_none()),
+                    (compensated, compensated),
+                    "{case}"
+                );
+            }
+        }
+    }
+}

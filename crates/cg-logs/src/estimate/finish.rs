@@ -87,7 +87,7 @@ impl LogEstimator {
             return inconsistent(remark);
         }
         let rolls = self.rolls.contradiction(&self.settings, self.options.second_roll_slopes);
-        let signals = rolls.or_else(|| self.sensors.missing());
+        let signals = rolls.or_else(|| self.sensors.lost_values());
         let signals = signals.or_else(|| self.sensors.disagreement(gravity_mps2, false));
         if let Some(channel) = self.options.channel {
             return Together { remark: signals, ..plain(self.engine.height(channel)) };

@@ -8,16 +8,19 @@
 //! The roll of the suspension is the scale: on a flat road the body rolls by at least as much, so `f − U r`
 //! is at least `g s`. On a banked road it is greater, unless the bank cancels the roll in every turn; a
 //! compensated force then still follows `U r` better than the suspension, which feels the bank.
+//!
+//! In a tight turn the trailer stands at the angle `ψ` to the tractor, on a circle that is smaller by `cos ψ`. The sine is its
+//! wheelbase over the radius of the tractor's path, `l r / U`, and the lateral acceleration of the trailer `U r cos ψ`.
 
-use cg_core::{Channel, Input, Output, Sample, Signals};
+use cg_core::{Channel, Design, Input, Output, Sample, Signals};
 use serde::{Deserialize, Serialize};
-
-use super::signals::LEAST_RADIUS_M;
 
 /// Time constant of both filters before the comparison.
 const FILTER_S: f64 = 1.0;
 /// Speed below which the yaw rate is not used, m/s.
 const LEAST_MPS: f64 = 3.0;
+/// Greatest `sin ψ` in a turn that is compared, `ψ` being 53 degrees: in a tighter one the trailer does not stand still.
+const GREATEST_SINE: f64 = 0.8;
 /// Longest interval between two samples of one drive, s.
 const GAP_S: f64 = 0.5;
 /// Interval between the compared values, s: the filters pass nothing that is faster.
@@ -156,21 +159,27 @@ pub(super) struct ForceCheck {
 
 impl ForceCheck {
     /// Adds a sample.
-    pub(super) fn push(&mut self, sample: &Sample<f64>, gravity_mps2: f64) {
+    pub(super) fn push(&mut self, sample: &Sample<f64>, design: &Design<f64>) {
         let rolls = [sample.suspension_roll_rad, sample.tractor_suspension_roll_rad];
         if rolls.iter().all(|roll| roll.is_nan()) {
             return;
         }
         let sample = sample.checked();
-        let tight = sample.yaw_rate_radps.abs() * LEAST_RADIUS_M > sample.speed_mps;
-        if !(sample.speed_mps > LEAST_MPS) || tight {
+        let sine = design.trailer_wheelbase_m * sample.yaw_rate_radps / sample.speed_mps;
+        if !(sample.speed_mps > LEAST_MPS) || sine.abs() > GREATEST_SINE {
             return;
         }
         let turn_mps2 = sample.yaw_rate_radps * sample.speed_mps;
-        let signals = Signals::of(&sample, sample.speed_mps, gravity_mps2);
-        for (unit, output, input) in [
-            (&mut self.trailer, Output::SuspensionRoll, Input::SpecificForce),
-            (&mut self.tractor, Output::TractorSuspensionRoll, Input::TractorSpecificForce),
+        let of_trailer_mps2 = turn_mps2 * (1.0 - sine * sine).sqrt();
+        let signals = Signals::of(&sample, sample.speed_mps, design.gravity_mps2);
+        for (unit, turn_mps2, output, input) in [
+            (&mut self.trailer, of_trailer_mps2, Output::SuspensionRoll, Input::SpecificForce),
+            (
+                &mut self.tractor,
+                turn_mps2,
+                Output::TractorSuspensionRoll,
+                Input::TractorSpecificForce,
+            ),
         ] {
             unit.push(sample.time_us, [signals.output(output), turn_mps2, signals.input(input)]);
         }
@@ -233,6 +242,7 @@ impl ForceCheck {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::estimate::trial::design;
 
     const GRAVITY_MPS2: f64 = 9.81;
 
@@ -250,7 +260,7 @@ mod tests {
             let to_gravity_rad = 0.014 * felt_mps2 + bank_rad(time_s);
             sample.tractor_lateral_specific_force_mps2 =
                 path_mps2 + share * GRAVITY_MPS2 * to_gravity_rad;
-            check.push(&sample, GRAVITY_MPS2);
+            check.push(&sample, &design());
         }
         check.contradiction(GRAVITY_MPS2, false, |_| true)
     }
@@ -285,7 +295,7 @@ mod tests {
                 sample.suspension_roll_rad = 0.01 * path_mps2;
                 sample.lateral_specific_force_mps2 =
                     gain * path_mps2 * (1.0 + GRAVITY_MPS2 * 0.014);
-                check.push(&sample, GRAVITY_MPS2);
+                check.push(&sample, &design());
             }
             check.contradiction(GRAVITY_MPS2, is_flat, |one| one == Channel::Suspension)
         };
@@ -310,7 +320,7 @@ mod tests {
                 sample.yaw_rate_radps = yaw_rate_radps * (0.02 * f64::from(k)).sin();
                 sample.suspension_roll_rad = 0.2 * sample.yaw_rate_radps;
                 sample.lateral_specific_force_mps2 = 20.0 * sample.yaw_rate_radps;
-                check.push(&sample, GRAVITY_MPS2);
+                check.push(&sample, &design());
             }
             check
         };

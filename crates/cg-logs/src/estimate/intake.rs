@@ -290,7 +290,7 @@ impl LogEstimator {
             sample.speed_mps = f64::NAN;
         }
         let (sample, gravity_mps2) = (&sample, self.design.gravity_mps2);
-        self.sensors.push_mean(sample, gravity_mps2);
+        self.sensors.push_mean(sample, &self.design);
         self.leaning.push_mean((sample, f64::from(of.number)), step.status, gravity_mps2);
         self.strong.push(sample);
         if self.options.side_wind.is_some() {

@@ -14,6 +14,7 @@
 //! | `levels` | whether level sensors stand still |
 //! | `values` | whether values are missing samples, or in steps as large as the signal |
 //! | `near_zero` | whether a signal has a dead band |
+//! | `range_end` | whether a signal is cut off at the end of a range |
 //! | `seldom` | whether an input is sampled too seldom for its motion |
 //! | `forces` | whether a specific force contains gravity |
 //! | `sensors` | these checks together |
@@ -50,6 +51,7 @@ mod agreement;
 mod rolls;
 mod levels;
 mod near_zero;
+mod range_end;
 mod values;
 mod seldom;
 mod forces;

@@ -1,6 +1,6 @@
 //! What the sensors of a drive cannot be, from their signals alone.
 
-use cg_core::{Channel, Quantity, Sample};
+use cg_core::{Channel, Design, Quantity, Sample};
 use serde::{Deserialize, Serialize};
 
 use super::agreement::AgreementCheck;
@@ -31,9 +31,9 @@ pub struct SensorCheck {
 impl SensorCheck {
     /// Takes the next sample; whether a stretch of driving was judged, so that [`disagreement`](Self::disagreement) may be
     /// another one.
-    pub fn push(&mut self, sample: &Sample<f64>, gravity_mps2: f64) -> bool {
+    pub fn push(&mut self, sample: &Sample<f64>, design: &Design<f64>) -> bool {
         self.value(sample);
-        self.push_mean(sample, gravity_mps2)
+        self.push_mean(sample, design)
     }
 
     /// Takes what only single samples show.
@@ -43,8 +43,8 @@ impl SensorCheck {
     }
 
     /// Takes the rest from the mean of some samples, as [`push`](Self::push).
-    pub(super) fn push_mean(&mut self, mean: &Sample<f64>, gravity_mps2: f64) -> bool {
-        self.forces.push(mean, gravity_mps2);
+    pub(super) fn push_mean(&mut self, mean: &Sample<f64>, design: &Design<f64>) -> bool {
+        self.forces.push(mean, design);
         self.signals.push(mean);
         self.agreement.push(mean)
     }
@@ -100,9 +100,9 @@ impl SensorCheck {
         of_levels.or_else(|| self.forces.contradiction(gravity_mps2, is_flat, is_used))
     }
 
-    /// The signal with zeros for missing samples.
-    pub fn missing(&self) -> Option<String> {
-        self.values.missing()
+    /// The signal with zeros for missing samples, or that is cut off at the end of a range.
+    pub fn lost_values(&self) -> Option<String> {
+        self.values.missing().or_else(|| self.values.cut_off())
     }
 
     /// The signal that is sampled too seldom, that has a dead band, or whose steps are as large as its motion.

@@ -5,6 +5,7 @@ use cg_core::{Quantity, Sample};
 use serde::{Deserialize, Serialize};
 
 use super::near_zero::NearZero;
+use super::range_end::RangeEnd;
 
 /// Samples without a zero before zeros are judged.
 const LEAST_SAMPLES: f64 = 50.0;
@@ -73,6 +74,16 @@ fn is_of_roll(quantity: Quantity) -> bool {
     quantity != Quantity::Speed
 }
 
+/// The unit of a signal, as its column has it.
+fn unit(signal: Quantity) -> &'static str {
+    signal.column().trim_start_matches(signal.name()).trim_start_matches('_')
+}
+
+/// Whether nobody can hold a signal at one value, as a driver or a robot does with the steering wheel.
+fn is_response(quantity: Quantity) -> bool {
+    is_of_roll(quantity) && quantity != Quantity::Steer
+}
+
 /// One signal.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 struct Values {
@@ -97,6 +108,8 @@ struct Values {
     step: f64,
     #[serde(default)]
     near_zero: NearZero,
+    #[serde(default)]
+    range_end: RangeEnd,
 }
 
 impl Values {
@@ -104,6 +117,7 @@ impl Values {
     fn interrupt(&mut self) {
         (self.last, self.zeros_since, self.before) = (None, 0, None);
         self.near_zero.interrupt();
+        self.range_end.interrupt();
     }
 
     fn push(&mut self, value: f64, far: f64, is_moving: bool) {
@@ -116,8 +130,10 @@ impl Values {
         // Sensors are set to zero at standstill.
         if is_moving {
             self.near_zero.push(value);
+            self.range_end.push(value, self.step);
         } else {
             self.near_zero.interrupt();
+            self.range_end.interrupt();
         }
         if let Some(before) = self.before.replace(value) {
             self.step(value - before);
@@ -221,6 +237,24 @@ impl ValueCheck {
         ))
     }
 
+    /// The signal that is cut off at the end of a sensor's range, if there is one.
+    pub(super) fn cut_off(&self) -> Option<String> {
+        let found = self.of_signals.iter().zip(SIGNALS);
+        let found = found.filter(|(_, (signal, ..))| is_response(*signal));
+        let found = found.filter_map(|(one, (signal, ..))| {
+            let (end, share) = one.range_end.share(one.step)?;
+            Some((share, end, signal))
+        });
+        let (share, end, signal) = found.max_by(|a, b| a.0.total_cmp(&b.0))?;
+        Some(format!(
+            "{} stays at exactly {end:.3} {} in {:.0} % of its large values and never exceeds it, although it changes from \
+             row to row elsewhere: it is cut off at the end of a range; record it with a wider one, or remove its column",
+            signal.name(),
+            unit(signal),
+            100.0 * share
+        ))
+    }
+
     /// The signal with a dead band about zero, if there is one.
     pub(super) fn dead(&self) -> Option<String> {
         let found = self.of_signals.iter().zip(SIGNALS);
@@ -244,11 +278,11 @@ impl ValueCheck {
         let found = found.filter(|(_, (signal, ..))| is_of_roll(*signal));
         let found = found.filter_map(|(one, (signal, ..))| Some((one.coarse()?, signal)));
         let ((step, share), signal) = found.max_by(|a, b| a.0.1.total_cmp(&b.0.1))?;
-        let unit = signal.column().trim_start_matches(signal.name()).trim_start_matches('_');
         Some(format!(
-            "{} comes in steps of {step:.2e} {unit}, whose rounding is {:.0} % of its motion: the height can be wrong \
+            "{} comes in steps of {step:.2e} {}, whose rounding is {:.0} % of its motion: the height can be wrong \
              by as much and more, which the interval does not contain; record it with a finer resolution",
             signal.name(),
+            unit(signal),
             100.0 * share
         ))
     }

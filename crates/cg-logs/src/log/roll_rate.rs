@@ -13,9 +13,9 @@
 //! s are those of the last turns too, with a memory of [`MEMORY`]. A turn without straight driving after it has no roll
 //! angle.
 //!
-//! If the log has a roll angle, all of its rows take the place of the straight stretches, and what the
-//! sum leaves of the angle is added again below [`BLEND_S`] (a complementary filter that runs in both
-//! directions). Then the gain of the rate must be near one.
+//! If the log has a roll angle, all of its rows take the place of the straight stretches, they also give the gain of
+//! the rate, which must be near one, and what the sum leaves of the angle is added again below [`BLEND_S`] (a complementary
+//! filter that runs in both directions).
 //!
 //! **Limit.** A straight stretch of another bank than the one before the turn moves the roll angle by a
 //! share of the difference. Like every angle to gravity, the result feels the bank of the road.
@@ -296,7 +296,7 @@ impl RollAngles {
             .kept
             .iter()
             .map(|kept| {
-                level + offset * kept.time_s + mounting * kept.heading_rad + kept.rolled_rad
+                level + offset * kept.time_s + mounting * kept.heading_rad + gain * kept.rolled_rad
             })
             .collect();
         let times_s: Vec<f64> = self.kept.iter().map(|kept| kept.time_s).collect();

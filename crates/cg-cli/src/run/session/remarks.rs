@@ -226,7 +226,7 @@ impl<W: Write> Session<W> {
     }
 
     /// What is wrong with levels or a specific force from which there is a height, with any signal that has zeros for missing
-    /// samples, or with signals that contradict each other in turns.
+    /// samples or is cut off, or with signals that contradict each other in turns.
     pub(super) fn wrong_signal(&self) -> Option<String> {
         let found = self.wrong_text()?;
         Some(format!("inconsistent, so there is no height: {found}"))
@@ -238,9 +238,9 @@ impl<W: Write> Session<W> {
         let gravity_mps2 = self.estimator.design().gravity_mps2;
         let of_chassis =
             self.sensors.wrong_chassis((gravity_mps2, true), self.options.road, is_used);
-        let missing = || self.sensors.missing().filter(|_| self.estimator.combined().is_some());
+        let lost = || self.sensors.lost_values().filter(|_| self.estimator.combined().is_some());
         let disagreement = || self.sensors.disagreement(gravity_mps2, true);
-        let found = of_chassis.or_else(missing).or_else(disagreement);
+        let found = of_chassis.or_else(lost).or_else(disagreement);
         found.or_else(|| self.wrong_before.clone())
     }
 }

@@ -13,7 +13,7 @@ impl<W: Write> Session<W> {
     pub(super) fn warn(&mut self, sample: &Sample<f64>) -> io::Result<()> {
         let design = self.estimator.design();
         let mass_kg = self.trailer_mass_kg.unwrap_or(self.estimator.memory().trailer_mass_kg);
-        let is_judged = self.sensors.push(sample, design.gravity_mps2);
+        let is_judged = self.sensors.push(sample, design);
         let load = [mass_kg, self.known.height_m.unwrap_or(design.reference_height_m)];
         let lateral_mps2 = felt_mps2(design, sample, self.speed_mps, load);
         // Without a speed, the last one is used.

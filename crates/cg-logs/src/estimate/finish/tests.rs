@@ -2,7 +2,7 @@ use cg_core::{CHANNELS, HeightError, Sample};
 
 use super::*;
 use crate::estimate::options::EstimateOptions;
-use crate::estimate::trial::{MASS_KG, SPEED_MPS, fit, log};
+use crate::estimate::trial::{MASS_KG, SPEED_MPS, design, fit, log};
 
 type Found = Result<Measured<f64>, Reject<f64>>;
 
@@ -42,7 +42,7 @@ fn reverse_the_yaw_rate(log: &mut LogEstimator) {
         sample.lateral_acceleration_mps2 = if k < 1000 { 1.0 } else { -1.0 };
         sample.speed_mps = 10.0;
         sample.yaw_rate_radps = -0.1 * sample.lateral_acceleration_mps2;
-        log.sensors.push(&sample, 9.81);
+        log.sensors.push(&sample, &design());
     }
 }
 
