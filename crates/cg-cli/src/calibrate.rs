@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, anyhow};
 use cg_logs::calibrate::{CalibrateOptions, KnownLog, calibrate_with_trips};
-use cg_logs::output::{Draft, Files, Kind};
 use cg_logs::state::runs_of;
+use cg_output::{Draft, Files, Kind};
 use cg_vehicle::VehicleError;
 use cg_vehicle::calibration::{Calibration, ParameterEntry, RunEntry, Unit};
 use cg_vehicle::sensor_places::Road;

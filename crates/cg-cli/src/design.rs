@@ -4,7 +4,7 @@ use std::path::Path;
 
 use anyhow::{Context, anyhow};
 use cg_core::{Channel, Design};
-use cg_logs::output::{Draft, Files, Kind};
+use cg_output::{Draft, Files, Kind};
 use cg_vehicle::Vehicle;
 use cg_vehicle::emit::emit;
 

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, anyhow};
 use cg_fmu::{Binary, Fmu, FmuFiles, FmuKind, package};
-use cg_logs::output::{Draft, Files, Kind};
+use cg_output::{Draft, Files, Kind};
 use cg_vehicle::calibration::Calibration;
 use cg_vehicle::files;
 use clap::Args;

@@ -5,7 +5,7 @@ use std::io;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use cg_logs::output::draft::abandon;
+use cg_output::draft::abandon;
 
 /// Exit status of a program that Ctrl-C has ended (`STATUS_CONTROL_C_EXIT`, 0xC000013A).
 const ENDED_BY_USER: i32 = -0x3FFF_FEC6;

@@ -56,7 +56,7 @@ mod words;
 
 use std::process::ExitCode;
 
-use cg_logs::output::Files;
+use cg_output::Files;
 use clap::Parser;
 
 use cli::{Cli, Command};

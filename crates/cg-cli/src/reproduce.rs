@@ -3,7 +3,7 @@
 use std::io::Write;
 
 use anyhow::Context;
-use cg_logs::output::Files;
+use cg_output::Files;
 use cg_thesis::catalog::{Kind, catalog};
 use cg_thesis::reproduce::{Options, Row, figures, table, tables, title};
 use cg_thesis::verdict::Verdict;

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use anyhow::{Context, anyhow};
 use cg_logs::log::{CandumpWriter, LogRow, LogWriter, Signal};
-use cg_logs::output::{Draft, Files, Kind, Target};
+use cg_output::{Draft, Files, Kind, Target};
 use cg_plant::maneuver::{Course, Maneuver};
 use cg_plant::road::{Road, RoadKind};
 use cg_plant::sensors::ChassisSensors;

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context as _, anyhow};
 use cg_core::Design;
 use cg_logs::estimate::RoadChoice;
-use cg_logs::output::Files;
+use cg_output::Files;
 use cg_vehicle::belief::Belief;
 use cg_vehicle::calibration::{Calibration, Judgment};
 use cg_vehicle::design::design_with;

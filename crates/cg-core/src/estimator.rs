@@ -299,8 +299,7 @@ impl<T: Real, I: Identify<T>, D: Borrow<Design<T, C>>, const C: usize> Estimator
 
     /// Whether the trailer mass has changed for longer than the load signal oscillates in a turn, or on a straight
     /// road than its noise lasts, so that another mass applies to the dynamics. It is used at once if it was there
-    /// before the window, and if it is the `first` measured one, because the nominal mass was an assumption. The
-    /// window that it ends keeps the mass before it.
+    /// before the window, and if it is the `first` measured one, because the nominal mass was an assumption.
     fn is_other_mass(&mut self, row: &Row<T, C>, first: bool) -> bool {
         let change_kg = (row.trailer_mass_kg - self.made_for_kg).abs();
         if !(change_kg > self.settings.mass_change * self.made_for_kg) {
@@ -308,18 +307,14 @@ impl<T: Real, I: Identify<T>, D: Borrow<Design<T, C>>, const C: usize> Estimator
             return false;
         }
         let since_us = *self.other_since_us.get_or_insert(row.time_us);
-        let Some(window) = self.window.as_mut().filter(|one| !one.inherits_mass) else {
+        let Some(window) = self.window.as_ref().filter(|one| !one.inherits_mass) else {
             return true;
         };
         let wait_us = match window.last_turn_us {
             Some(_) => self.settings.weighing_us,
             None => STRAIGHT_WEIGHING_US,
         };
-        let lasting = first || row.time_us.saturating_sub(since_us) >= wait_us;
-        if lasting {
-            window.trailer_mass_kg = window.settled_kg;
-        }
-        lasting
+        first || row.time_us.saturating_sub(since_us) >= wait_us
     }
 
     /// Initializes the identifiers for the dynamics at this trailer mass.
@@ -385,10 +380,16 @@ impl<T: Real, I: Identify<T>, D: Borrow<Design<T, C>>, const C: usize> Estimator
         }
     }
 
-    /// Ends the window. If it has anything to tell, its solution begins.
+    /// Ends the window. If it has anything to tell, its solution begins. No truck is loaded in a turn, so if another mass has come
+    /// within the window, that before it was of another load, and nothing follows from the rows. (The last row may have the mass
+    /// of the sample after it.)
     fn close(&mut self) {
+        let other_since_us = self.other_since_us;
         let tells = |window: &Window<T, C>| {
-            window.last_turn_us.is_some() && window.weight > T::of(LEAST_SAMPLES)
+            window.last_turn_us.is_some()
+                && window.weight > T::of(LEAST_SAMPLES)
+                && other_since_us
+                    .is_none_or(|since_us| window.inherits_mass || since_us >= window.last_us)
         };
         if self.window.as_ref().is_some_and(tells) {
             self.closing.begin(&self.lanes);

@@ -16,8 +16,8 @@ use cg_vehicle::{Load, Variant, Vehicle, VehicleError};
 use crate::estimate::{
     EMPTY_SHARE, EstimateOptions, Identified, LogEstimator, Method, Truck, mass_contradiction,
 };
-use crate::output::Place;
 use crate::same_drive::{are_of_one_drive, values};
+use cg_output::Place;
 
 pub use crate::known::{KnownLoad, KnownLog, KnownMass};
 
@@ -93,6 +93,7 @@ pub fn calibrate_with_trips<E: From<VehicleError>>(
                 doubts.extend(doubt(vehicle, known, &identified));
                 let unknown = identified.lift_unknown;
                 doubts.extend(unknown.map(|unknown| format!("{}: {unknown}", known.log)));
+                doubts.extend(identified.turns.iter().map(|told| format!("{}: {told}", known.log)));
             }
             let mut run = run_of(vehicle, known, &identified)?;
             // The factor makes up for all that the model lacks in this log, its turns included.

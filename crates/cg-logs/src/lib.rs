@@ -2,7 +2,6 @@
 //!
 //! | module | what |
 //! |---|---|
-//! | [`output`] | checks which files may be written, and writes them completely or not at all |
 //! | [`place`] | positions in logs for messages |
 //! | [`malformed`] | the error for options that do not have their form |
 //! | [`unscaled`](mod@unscaled) | signals that mean nothing without a number of the vehicle file |
@@ -36,7 +35,6 @@
 
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
-pub mod output;
 pub mod malformed;
 pub mod place;
 pub mod unscaled;

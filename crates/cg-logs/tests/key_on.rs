@@ -10,7 +10,7 @@ use cg_logs::estimate::{
     ChannelEstimate, EstimateOptions, LogEstimate, LogEstimator, RoadChoice, Verdict,
 };
 use cg_logs::log::{CandumpWriter, LogOptions, LogReader, LogRow, LogWriter, Signal};
-use cg_logs::output::{Files, Kind};
+use cg_output::{Files, Kind};
 use cg_vehicle::design::design;
 use cg_vehicle::{Variant, Vehicle};
 

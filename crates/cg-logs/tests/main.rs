@@ -13,7 +13,6 @@ mod key_on;
 mod learn;
 mod log;
 mod mass_in_turns;
-mod output;
 mod shapes;
 mod twisting_frame;
 mod uncertain_runs;

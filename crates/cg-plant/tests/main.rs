@@ -29,3 +29,4 @@ mod twisting;
 mod two_loads;
 mod wind;
 mod tyre_slopes;
+mod unsteady;

@@ -7,7 +7,7 @@ use std::path::Path;
 
 use cg_logs::estimate::{EstimateOptions, LogEstimate, LogEstimator, Verdict};
 use cg_logs::log::{LogOptions, LogReader, LogRow, LogWriter};
-use cg_logs::output::{Files, Kind};
+use cg_output::{Files, Kind};
 use cg_plant::maneuver::{Course, Maneuver};
 use cg_plant::sensors::Sensors;
 use cg_plant::simulate::{LogSimulation, Plant, Scenario};

@@ -7,7 +7,7 @@ use std::io::{self, ErrorKind};
 
 use cg_logs::can::DbcError;
 use cg_logs::log::{LogError, OptionError};
-use cg_logs::output::OutputError;
+use cg_output::OutputError;
 use cg_vehicle::{VehicleError, hint};
 use pyo3::exceptions::{
     PyFileExistsError, PyFileNotFoundError, PyOSError, PyPermissionError, PyUserWarning,

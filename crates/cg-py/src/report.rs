@@ -2,8 +2,8 @@
 
 use std::path::PathBuf;
 
-use cg_logs::output::{Draft, Files, Kind, Target};
 use cg_logs::report::{Entry, Trace, page, room};
+use cg_output::{Draft, Files, Kind, Target};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 

@@ -5,8 +5,8 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use cg_logs::log::{CandumpWriter, LogError, LogWriter, Signal};
-use cg_logs::output::kind::LOG_COMMENT;
-use cg_logs::output::{Draft, Files, Kind, Target};
+use cg_output::kind::LOG_COMMENT;
+use cg_output::{Draft, Files, Kind, Target};
 use cg_plant::road::RoadKind;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;

@@ -2,7 +2,7 @@
 
 use std::io::{self, Write};
 
-use cg_core::{AlignSettings, Quantity};
+use cg_core::{AlignSettings, Quantity, Sample};
 use cg_logs::can::{Decoder, Frame, Sampler};
 use cg_logs::log::Signal;
 use cg_vehicle::lift::LiftAxle;
@@ -77,9 +77,7 @@ impl Frames {
     fn pass<W: Write>(&mut self, session: &mut Session<W>) -> io::Result<()> {
         session.follow_lift_axle(self.sampler.take_lift_axle())?;
         while let Some(sample) = self.sampler.next_sample() {
-            session.weighing.scale = self.sampler.scale(sample.time_us).or(session.weighing.scale);
-            session.sensors.level(|level| self.sampler.value(level, sample.time_us));
-            session.push(sample)?;
+            self.push(sample, session)?;
         }
         let now_us = self.sampler.now_us();
         if now_us.saturating_sub(self.looked_us) >= LOOK_US {
@@ -93,6 +91,14 @@ impl Frames {
             }
         }
         session.run_periodic(self.live)
+    }
+
+    fn push<W: Write>(&self, sample: Sample<f64>, session: &mut Session<W>) -> io::Result<()> {
+        let (sampler, stream_us) = (&self.sampler, sample.time_us);
+        session.weighing.scale = sampler.scale(stream_us).or(session.weighing.scale);
+        session.weighing.heard_us = sampler.weighed_us(stream_us);
+        session.sensors.level(|level| sampler.value(level, stream_us));
+        session.push(sample)
     }
 
     /// Advances the time without a frame.
@@ -111,9 +117,7 @@ impl Frames {
     /// Passes on the samples that still wait for other signals, at the end of a log.
     pub(crate) fn flush<W: Write>(&mut self, session: &mut Session<W>) -> io::Result<()> {
         while let Some(sample) = self.sampler.rest() {
-            session.weighing.scale = self.sampler.scale(sample.time_us).or(session.weighing.scale);
-            session.sensors.level(|level| self.sampler.value(level, sample.time_us));
-            session.push(sample)?;
+            self.push(sample, session)?;
         }
         for (signal, message) in self.sampler.last_news() {
             session.notice(signal, &message)?;

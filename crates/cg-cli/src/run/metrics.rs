@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 use std::io::{self, Write as _};
 
-use cg_logs::output::{Draft, Target};
+use cg_output::{Draft, Target};
 
 use super::events::{Latency, Status};
 

@@ -8,7 +8,7 @@ use std::io::{self, Write};
 
 use cg_core::Memory;
 use cg_logs::learn::Learned;
-use cg_logs::output::Target;
+use cg_output::Target;
 
 use super::events::{self, Event, Status};
 use super::latency::Histogram;

@@ -12,8 +12,8 @@ use std::path::{Path, PathBuf};
 use cg_core::Memory;
 use cg_logs::estimate::{Gusts, Strength};
 use cg_logs::learn::Learned;
-use cg_logs::output::{Draft, Target};
 use cg_logs::state::{Owner, State, StateError};
+use cg_output::{Draft, Target};
 use cg_vehicle::files::checksum;
 use cg_vehicle::lift::LiftAxle;
 use cg_vehicle::scales::Scale;
@@ -202,7 +202,7 @@ fn crc32(bytes: &[u8]) -> u32 {
 mod tests {
     use super::*;
     use cg_core::{Estimator, FilteredArx, Prior, Settings};
-    use cg_logs::output::{Files, Kind};
+    use cg_output::{Files, Kind};
     use cg_vehicle::{Variant, Vehicle};
 
     fn target(folder: &Path) -> Target {
@@ -233,8 +233,9 @@ mod tests {
         let load = SavedLoad { since_s: Some(0.3), ..SavedLoad::default() };
         file.save(&memory, 1.5, load, Learned::default()).unwrap();
         let scale = Some(Scale::AxleLoad);
-        let strength =
-            Strength { greatest: 0.7, braking_mps2: 0.3, speeding_mps2: 0.4, sd: 0.1 + 0.2 };
+        let braked = Strength { braking_mps2: 0.3, speeding_mps2: 0.4, ..Strength::default() };
+        let unsteady = Strength { unsteady_mps2: 0.5, unsteady_sd: 0.02, ..braked };
+        let strength = Strength { greatest: 0.7, sd: 0.1 + 0.2, ..unsteady };
         let gusts = r#"{"sum":{"slopes":[0.1,-0.2],"random":0.3},"maneuvers":2.0}"#;
         let gusts: Gusts = serde_json::from_str(gusts).unwrap();
         let load = SavedLoad {

@@ -22,6 +22,10 @@ pub(crate) struct Weighing {
     pub(crate) scale: Option<Scale>,
     /// Whether that mass is of the present load.
     pub(crate) weighed: Weighed,
+    /// When the mass of the present sample came on a bus, where it is held, µs.
+    pub(crate) heard_us: Option<u64>,
+    /// The last one of these.
+    known_us: Option<u64>,
 }
 
 impl Weighing {
@@ -33,7 +37,19 @@ impl Weighing {
         scales: Scales::EXACT,
         scale: None,
         weighed: Weighed::NEVER,
+        heard_us: None,
+        known_us: None,
     };
+
+    /// Takes the mass of a sample, kg, and the one that is used instead. Returns whether it is a new one, and not one that is held.
+    pub(crate) fn weigh(&mut self, sample_us: u64, masses_kg: [f64; 2]) -> bool {
+        let is_new = self.heard_us.is_none() || self.heard_us != self.known_us;
+        if is_new {
+            self.known_us = self.heard_us;
+            self.weighed.weigh(self.heard_us.unwrap_or(sample_us), masses_kg);
+        }
+        is_new
+    }
 
     /// Takes a change of the load that a maneuver from `start_us` on has revealed. Returns a message if the
     /// mass from this source was weighed before it.
@@ -145,8 +161,8 @@ mod tests {
         ] {
             let mut weighing = Weighing { sd_kg: Some(70.0), ..Weighing::EXACT };
             weighing.weighed.weigh(1_000_000, [20e3; 2]);
-            assert!(weighing.unload(1_000_000, source).is_none());
-            assert_eq!(weighing.unload(1_000_001, source).is_some(), is_outdated);
+            assert!(weighing.unload(31_000_000, source).is_none());
+            assert_eq!(weighing.unload(31_000_001, source).is_some(), is_outdated);
             let sd_kg = weighing.sd_kg(source, 20e3, &design);
             let expected_kg = if is_outdated { design.any_load_sd_kg() } else { 70.0 };
             assert!((sd_kg - expected_kg).abs() < 1e-9, "{source:?}: {sd_kg}");

@@ -6,7 +6,7 @@
 
 use std::ops::Range;
 
-use cg_logs::output::kind::STUDY_COMMENT;
+use cg_output::kind::STUDY_COMMENT;
 use cg_thesis::study::{Abscissa, Panel, Quantity, Response, Series, Study};
 use plotters::chart::MeshStyle;
 use plotters::coord::Shift;

@@ -17,7 +17,7 @@ use std::path::Path;
 
 use anyhow::{Context, anyhow, ensure};
 use cg_logs::log::LogReader;
-use cg_logs::output::{Draft, Files, Kind, Target};
+use cg_output::{Draft, Files, Kind, Target};
 use cg_thesis::study::{Recorded, Statement, Study, replay, studies, study};
 use cg_thesis::verdict::{Criterion, Verdict};
 use cg_vehicle::Vehicle;

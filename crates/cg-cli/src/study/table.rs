@@ -2,7 +2,7 @@
 //! point, with the ends of its interval if it has one. The columns of other panels are empty.
 
 use anyhow::Context;
-use cg_logs::output::kind::STUDY_COMMENT;
+use cg_output::kind::STUDY_COMMENT;
 use cg_thesis::study::{Abscissa, Panel, Quantity, Series, Study};
 
 use crate::units::{column, display_unit};

@@ -13,7 +13,7 @@ mod residual;
 use std::io::Write;
 
 use anyhow::Context;
-use cg_logs::output::{Draft, Files, Kind};
+use cg_output::{Draft, Files, Kind};
 use cg_vehicle::guide::{page, schema, template};
 
 use self::args::{Command, VehicleArgs};

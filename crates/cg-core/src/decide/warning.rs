@@ -13,6 +13,9 @@ pub const LEVELS: usize = 8;
 const FILTER_S: f64 = 0.2;
 /// Greatest gap in the lateral acceleration; after a longer one, the filter starts again.
 const SILENT_US: u64 = 1_000_000;
+/// Time for which a share must be lower before the level falls. A trailer that tips pulls less to the side: in the last 0.3 s before it
+/// lies, the lateral acceleration falls (nonlinear plant, 46 ramps).
+const HOLD_US: u64 = 1_000_000;
 /// One-sided 95 % bound of the threshold, in standard deviations.
 const BOUND: f64 = 1.645;
 /// Lower limit of the bound, as a share of the threshold. Without it, a height with a wide interval
@@ -52,11 +55,13 @@ pub struct Warner<T> {
     /// NaN before the first lateral acceleration.
     smooth_mps2: T,
     last_us: u64,
+    /// The last time at which the share was not lower than that of the level.
+    reached_us: u64,
 }
 
 impl<T: Real> Warner<T> {
     /// `levels` are shares of the lower bound of the threshold, in any order. A level ends when the
-    /// share is `hysteresis` below it.
+    /// share has been `hysteresis` below it for a second.
     ///
     /// # Errors
     ///
@@ -71,7 +76,14 @@ impl<T: Real> Warner<T> {
             return Err(LevelError::NotAShare);
         }
         sorted.sort_unstable_by(|a, b| a.partial_cmp(b).unwrap_or(core::cmp::Ordering::Equal));
-        Ok(Self { levels: sorted, hysteresis, level: 0, smooth_mps2: T::absent(), last_us: 0 })
+        Ok(Self {
+            levels: sorted,
+            hysteresis,
+            level: 0,
+            smooth_mps2: T::absent(),
+            last_us: 0,
+            reached_us: 0,
+        })
     }
 
     /// The present level: 0 means no warning, 1 is the lowest level.
@@ -123,6 +135,11 @@ impl<T: Real> Warner<T> {
         } else {
             self.level.min(reached(share + self.hysteresis))
         };
+        if level >= self.level {
+            self.reached_us = time_us;
+        } else if time_us.saturating_sub(self.reached_us) < HOLD_US {
+            return None;
+        }
         self.change(level)
     }
 
@@ -164,6 +181,23 @@ mod tests {
         {
             assert_eq!(settle(&mut warner, share), level, "{share}");
         }
+    }
+
+    /// The lateral acceleration falls while the trailer tips.
+    #[test]
+    fn a_level_stays_for_a_second() {
+        let mut warner = Warner::new(&[0.6, 0.9], 0.05).unwrap();
+        let threshold = Some(Measured { value: 0.4, sd: 0.0 });
+        assert_eq!(settle(&mut warner, 0.95), 2);
+        let end_us = warner.last_us;
+        let mut push = |share: f64, after_us: u64| {
+            warner.push(end_us + after_us, share * 0.4 * 9.81, threshold, 9.81);
+            warner.level()
+        };
+        assert_eq!(
+            [(0.0, 50_000), (0.0, 999_999), (0.0, 1_000_000)].map(|(s, us)| push(s, us)),
+            [2, 2, 0]
+        );
     }
 
     /// A bump as high as the threshold for 20 ms: the filter passes 0.02/(0.2 + 0.02) = 0.09 of it.

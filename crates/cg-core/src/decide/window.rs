@@ -33,9 +33,8 @@ pub(crate) struct Window<T, const C: usize> {
     pub(crate) by_yaw_rate: bool,
     /// Whether another mass was there before its first row, and still is.
     pub(crate) inherits_mass: bool,
-    /// Mean trailer mass, because the load signal oscillates, and the same before another mass came.
+    /// Mean trailer mass, because the load signal oscillates.
     pub(crate) trailer_mass_kg: T,
-    pub(crate) settled_kg: T,
     /// The weight of all samples.
     pub(crate) weight: T,
     /// One for each roll angle, at the place of its first channel. It starts with the first row,
@@ -60,7 +59,6 @@ impl<T: Real, const C: usize> Window<T, C> {
             by_yaw_rate: false,
             inherits_mass: true,
             trailer_mass_kg: row.trailer_mass_kg,
-            settled_kg: row.trailer_mass_kg,
             weight: T::zero(),
             sensor_checks: [None; C],
         }
@@ -75,9 +73,7 @@ impl<T: Real, const C: usize> Window<T, C> {
         self.weight += samples;
         let share = samples / self.weight;
         self.trailer_mass_kg += (row.trailer_mass_kg - self.trailer_mass_kg) * share;
-        if is_of_load {
-            (self.settled_kg, self.inherits_mass) = (self.trailer_mass_kg, false);
-        }
+        self.inherits_mass &= !is_of_load;
         if row.turning {
             self.last_turn_us = Some(row.time_us);
             self.turning_samples += samples;

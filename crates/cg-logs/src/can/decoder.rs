@@ -12,7 +12,7 @@ use super::frame::Frame;
 pub type Device = (u32, u8);
 
 /// Bit that marks an 11-bit identifier in device numbers.
-const STANDARD: u32 = 0x8000_0000;
+pub(super) const STANDARD: u32 = 0x8000_0000;
 const WITHOUT_PRIORITY: u32 = 0x03FF_FFFF;
 
 /// What the lateral acceleration of VDC2 (SPN 1809) is.

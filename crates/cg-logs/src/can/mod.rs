@@ -39,5 +39,6 @@ pub use decoder::{Decoder, Device, Vdc2};
 pub use device_filter::DeviceFilter;
 pub use frame::Frame;
 pub use reader::{CandumpFault, CandumpReader};
+pub(crate) use sampler::MASS_SERVES_US;
 pub use sampler::Sampler;
 pub use tally::Tally;

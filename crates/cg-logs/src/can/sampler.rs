@@ -12,6 +12,9 @@ use super::sources::Sources;
 use super::tally::Tally;
 use crate::lift_signal::LiftSignal;
 
+/// How long a mass is that of the present load after it has come, µs. Scales on a bus send every ten seconds at least.
+pub(crate) const MASS_SERVES_US: u64 = 120_000_000;
+
 /// Converts frames to samples, live and from a log.
 #[derive(Clone, Debug)]
 pub struct Sampler {
@@ -109,7 +112,10 @@ impl Sampler {
         let slope = decoder.decode(frame, |quantity, device, value| {
             sources.heard(quantity);
             match aligner.push(quantity, device, now_us, value) {
-                Taken::Yes => heard(quantity),
+                Taken::Yes => {
+                    sources.used(quantity, device);
+                    heard(quantity);
+                }
                 Taken::OtherSource => *values_of_other_sources += 1,
                 Taken::Implausible => tally.implausible(quantity, value, None),
                 Taken::OutOfOrder => {}
@@ -150,6 +156,13 @@ impl Sampler {
     pub fn scale(&self, stream_us: u64) -> Option<Scale> {
         let (quantity, _) = self.settings.weighed(|quantity| self.value(quantity, stream_us))?;
         Scale::on_bus(quantity)
+    }
+
+    /// When the mass of a sample at this time came, µs; `None` without one.
+    pub fn weighed_us(&self, stream_us: u64) -> Option<u64> {
+        let (quantity, _) = self.settings.weighed(|quantity| self.value(quantity, stream_us))?;
+        let age_us = self.aligner.age_us(quantity, stream_us)?;
+        Some(stream_us.saturating_sub(age_us))
     }
 
     /// Advances the time without a frame and returns the stream time, µs.

@@ -1,10 +1,10 @@
-//! Which source addresses send the quantities that are accepted from one address only.
+//! Which source addresses send the quantities that are accepted from one address only, and from which one to another a quantity went.
 
 use std::collections::BTreeSet;
 
 use cg_core::Quantity;
 
-use super::decoder::siblings;
+use super::decoder::{Device, STANDARD, siblings};
 use super::device_filter::DeviceFilter;
 
 /// Time after the first frame within which a device should have sent a value, µs (a mass is sent once a second).
@@ -15,6 +15,11 @@ const BEGUN_US: u64 = 3_000_000;
 pub(super) struct Sources {
     wanted: Vec<Wanted>,
     since_us: Option<u64>,
+    /// The device of each quantity that came.
+    used: Vec<(Quantity, Device)>,
+    /// The first change of each quantity to another device that is not preferred, and how many of them have been told.
+    changed: Vec<(Quantity, [Device; 2])>,
+    told: usize,
 }
 
 /// A filter and what has come.
@@ -36,7 +41,7 @@ impl Sources {
             others: BTreeSet::new(),
             is_told: false,
         };
-        Self { wanted: filters.iter().map(wanted).collect(), since_us: None }
+        Self { wanted: filters.iter().map(wanted).collect(), ..Self::default() }
     }
 
     fn of(&mut self, quantity: Quantity) -> impl Iterator<Item = &mut Wanted> {
@@ -52,6 +57,22 @@ impl Sources {
     /// Registers an accepted value.
     pub(super) fn heard(&mut self, quantity: Quantity) {
         self.of(quantity).for_each(|one| one.is_heard = true);
+    }
+
+    /// Registers the device whose value is used.
+    pub(super) fn used(&mut self, quantity: Quantity, device: Device) {
+        let Some((_, known)) = self.used.iter_mut().find(|(known, _)| *known == quantity) else {
+            self.used.push((quantity, device));
+            return;
+        };
+        if *known == device {
+            return;
+        }
+        let before = std::mem::replace(known, device);
+        let is_preferred = device.1 < before.1;
+        if !is_preferred && !self.changed.iter().any(|(changed, _)| *changed == quantity) {
+            self.changed.push((quantity, [before, device]));
+        }
     }
 
     /// Registers a value of an address from which the quantity is not accepted.
@@ -74,7 +95,8 @@ impl Sources {
 
     /// The sentences about filters to which only other addresses have sent, each as signal and sentence.
     pub(super) fn remarks(&self) -> Vec<(&'static str, String)> {
-        self.wanted.iter().filter_map(Wanted::remark).collect()
+        let changed = self.changed.iter().map(|(quantity, devices)| change(*quantity, devices));
+        self.wanted.iter().filter_map(Wanted::remark).chain(changed).collect()
     }
 
     /// Those sentences that have not been told.
@@ -85,8 +107,25 @@ impl Sources {
             one.is_told = remark.is_some();
             remark
         };
-        untold.filter_map(tell).collect()
+        let of_filters = untold.filter_map(tell);
+        let untold = std::mem::replace(&mut self.told, self.changed.len());
+        let changed = self.changed.iter().skip(untold);
+        of_filters.chain(changed.map(|(quantity, devices)| change(*quantity, devices))).collect()
     }
+}
+
+/// What is said of a quantity that came from another device when the first one paused.
+fn change(quantity: Quantity, devices: &[Device; 2]) -> (&'static str, String) {
+    let name = quantity.name();
+    let [before, now] = devices.map(|(number, _)| match number & STANDARD {
+        0 => format!("0x{:02X}", number & 0xFF),
+        _ => format!("the frame 0x{:X}", number & !STANDARD),
+    });
+    let sentence = format!(
+        "{before} paused, and the values come from {now} since: if both do not measure alike, the heights are wrong, which \
+         their intervals do not contain; accept one source with ⟨source_of {name}=ADDRESS⟩"
+    );
+    (name, sentence)
 }
 
 impl Wanted {
@@ -127,5 +166,27 @@ mod tests {
         assert_eq!(sources.remarks(), told);
         sources.heard(Quantity::Tilt);
         assert!(sources.remarks().is_empty() && sources.unheard().is_empty());
+    }
+
+    /// A preferred signal is no news, and a change that goes back and forth is told once.
+    #[test]
+    fn another_device_of_a_quantity_is_told() {
+        let mut sources = Sources::new(&[]);
+        for rank in [2, 1] {
+            sources.used(Quantity::Roll, (0x00F0_29E4, rank));
+            sources.used(Quantity::Speed, (0x00FE_F100, rank));
+        }
+        assert!(sources.news().is_empty());
+        for address in [0xE5, 0xE4, 0xE5] {
+            sources.used(Quantity::Roll, (0x00F0_2900 + address, 1));
+        }
+        sources.used(Quantity::YawRate, (STANDARD | 0x123, 0));
+        sources.used(Quantity::YawRate, (STANDARD | 0x124, 0));
+        let told = sources.news();
+        assert_eq!(told.iter().map(|(name, _)| *name).collect::<Vec<_>>(), ["roll", "yaw_rate"]);
+        assert!(told[0].1.starts_with("0xE4 paused, and the values come from 0xE5"), "{told:?}");
+        assert!(told[1].1.starts_with("the frame 0x123 paused"), "{told:?}");
+        assert!(sources.news().is_empty());
+        assert_eq!(sources.remarks(), told);
     }
 }

@@ -256,6 +256,7 @@ impl LogEstimator {
             lift_unknown: self.lift.unknown(),
             load_since_s: self.load_since_s(),
             ratio: [None; CHANNELS],
+            turns: Vec::new(),
             messages: self.messages(),
         };
         let Together { verdict, remark, .. } = self.together();
@@ -282,6 +283,8 @@ impl LogEstimator {
                 ..ratio
             });
             let mut told = strength.messages();
+            told.retain(|told| !identified.turns.contains(told));
+            identified.turns.append(&mut told.clone());
             told.extend(doubt.message());
             told.retain(|told| !identified.messages.contains(told));
             identified.messages.append(&mut told);

@@ -59,7 +59,9 @@ pub struct Identified {
     pub load_since_s: Option<f64>,
     /// DC ratios in the order of [`Channel::ALL`](cg_core::Channel::ALL), with the standard deviation due to noise.
     pub ratio: [Option<Measured<f64>>; CHANNELS],
-    /// Messages for the user.
+    /// What is said of strong turns, and of a speed that changes in them.
+    pub turns: Vec<String>,
+    /// Messages for the user, these among them.
     pub messages: Vec<String>,
 }
 

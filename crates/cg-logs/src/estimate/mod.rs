@@ -24,7 +24,7 @@
 //! | `tilts` | what is not known of the gains of inclinometers |
 //! | `rated` | the noise of a roll rate whose integral is the roll angle |
 //! | `windward`, `by_wind` | what a side wind makes of the ratios, and which part of an interval that is |
-//! | `strong` | how near to rolling over the turns came |
+//! | `strong`, `speed_change` | how near to rolling over the turns came, and how the speed changed in them |
 //! | `weighed` | whether the mass is that of the present load |
 //! | `recorder` | inputs and roll angles of a log, for the shapes of a calibration |
 //! | `felt` | the lateral acceleration that the truck feels, a specific force from other sensors |
@@ -66,6 +66,7 @@ mod tilts;
 mod rated;
 mod by_wind;
 mod windward;
+mod speed_change;
 mod strong;
 mod road;
 mod reason;

@@ -3,7 +3,7 @@
 //! A sensor that dies in the course of a drive gives turns whose ratio means nothing. They are rightly not used, but the height
 //! of the turns before them then stays for ever.
 
-use cg_core::{Channel, Design, Maneuver, Reject};
+use cg_core::{Channel, Design, HeightError, Maneuver, Reject};
 use serde::{Deserialize, Serialize};
 
 use super::reason::reason;
@@ -32,7 +32,7 @@ impl Unheard {
         let is_of_sensor = |(channel, reject): &(Channel, Reject<f64>)| match reject {
             Reject::Imprecise { ratio_sd_relative } => !(*ratio_sd_relative <= MEANINGLESS),
             Reject::Inconsistent(_) => channel.feels_bank(),
-            _ => false,
+            reject => is_reversed(reject),
         };
         let outcomes = Channel::ALL.into_iter().zip(&maneuver.outcomes);
         let mut rejects =
@@ -45,9 +45,14 @@ impl Unheard {
     /// What is said of many of them.
     pub fn message(&self, design: &Design<f64>) -> Option<String> {
         let last = self.last.filter(|_| self.turns >= MANY)?;
+        let advice = if is_reversed(&last) {
+            "a sensor is reversed (⟨flip roll⟩, or that of the input)"
+        } else {
+            "check the sensors"
+        };
         Some(format!(
             "the last {} turns gave no height, so a height that is shown is of the turns before them and a change of the load \
-             is not noticed: {}; check the sensors",
+             is not noticed: {}; {advice}",
             self.turns,
             reason(design, &last)
         ))
@@ -58,6 +63,15 @@ impl Unheard {
         let found = self.message(design).filter(|_| !self.is_told)?;
         self.is_told = true;
         Some(found)
+    }
+}
+
+/// Whether the roll angle had the opposite sign of what every load has.
+fn is_reversed(reject: &Reject<f64>) -> bool {
+    match reject {
+        Reject::Height(HeightError::OutOfRange { height_m }) => *height_m < 0.0,
+        Reject::Height(HeightError::NoSolution { ratio }) => *ratio < 0.0,
+        _ => false,
     }
 }
 
@@ -92,6 +106,14 @@ mod tests {
         ] {
             assert_eq!(after(quiet).message(&design), None, "{quiet:?}");
         }
+        let negative = Some(Reject::Height(HeightError::OutOfRange { height_m: -2.0 }));
+        let told = after(&[negative; 3]).message(&design).unwrap();
+        assert!(
+            told.ends_with("a sensor is reversed (⟨flip roll⟩, or that of the input)"),
+            "{told}"
+        );
+        let high = Some(Reject::Height(HeightError::OutOfRange { height_m: 6.0 }));
+        assert_eq!(after(&[high; 3]).message(&design), None);
         // Of a suspension it may be the bank.
         let stood = Reject::Inconsistent(Inconsistency::Standstill { roll_rad: 0.0 });
         for (channel, is_told) in [(Channel::Steer, true), (Channel::Suspension, false)] {

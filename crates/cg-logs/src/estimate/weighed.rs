@@ -4,10 +4,11 @@ use serde::{Deserialize, Serialize};
 
 use super::known::is_other_load;
 use super::options::EMPTY_SHARE;
+use crate::can::MASS_SERVES_US;
 
-/// A maneuver is weighed if a signal has given the mass within this time before it, µs. Scales on a bus do so every ten
-/// seconds at least.
-const FRESH_US: u64 = 120_000_000;
+/// A mass this long before a turn is not of before a change of the load that the turn shows, µs: nobody loads a truck and drives off so
+/// fast, and scales on a bus send every ten seconds.
+const NO_STOP_US: u64 = 30_000_000;
 
 /// Time constant of the mean of masses, s. Noise averages out in a turn; what is left differs from turn to turn.
 const MEAN_S: f64 = 5.0;
@@ -97,17 +98,22 @@ impl Weighed {
     /// Whether the mass of a maneuver from `start_us` on, µs, is that of its load: a signal gave it before, and not long
     /// before, in which the trailer may have been loaded, and it is one that this trailer can have.
     pub fn covers(&self, start_us: u64) -> bool {
-        let is_fresh = |last_us: u64| last_us.saturating_add(FRESH_US) >= start_us;
-        !self.of_another_load
-            && !self.is_light
-            && self.first_us.is_some_and(|first_us| first_us <= start_us)
-            && self.last_us.is_some_and(is_fresh)
+        !self.is_light && !self.is_old(start_us)
+    }
+
+    /// Whether no signal gave a mass before a maneuver from `start_us` on, µs, or only long before it or of another load.
+    pub fn is_old(&self, start_us: u64) -> bool {
+        let is_fresh = |last_us: u64| last_us.saturating_add(MASS_SERVES_US) >= start_us;
+        self.of_another_load
+            || self.first_us.is_none_or(|first_us| first_us > start_us)
+            || !self.last_us.is_some_and(is_fresh)
     }
 
     /// Takes a change of the load that a maneuver from `start_us` on, µs, has revealed. Returns whether
     /// the mass was weighed before it.
     pub fn change_load(&mut self, start_us: u64) -> bool {
-        let outdated = self.last_us.is_none_or(|last_us| last_us < start_us);
+        let is_old = |last_us: u64| last_us.saturating_add(NO_STOP_US) < start_us;
+        let outdated = self.last_us.is_none_or(is_old);
         self.of_another_load |= outdated;
         outdated
     }
@@ -135,9 +141,9 @@ mod tests {
         weighed.weigh(1_000_000, [20e3; 2]);
         let times_us = [999_999, 1_000_000, 121_000_000, 121_000_001];
         assert_eq!(times_us.map(|us| weighed.covers(us)), [false, true, true, false]);
-        assert!(!weighed.change_load(1_000_000));
+        assert!(!weighed.change_load(31_000_000));
         assert!(!weighed.is_of_another_load());
-        assert!(weighed.change_load(1_000_001));
+        assert!(weighed.change_load(31_000_001));
         assert!(weighed.is_of_another_load() && !weighed.covers(1_000_001));
         weighed.weigh(2_000_000, [20e3; 2]);
         assert!(weighed.covers(1_000_001));

@@ -28,7 +28,7 @@ use cg_core::signal::j1939::{
     TRAILER_MASS, YAW_RATE,
 };
 
-use crate::output::{Draft, Target};
+use cg_output::{Draft, Target};
 
 use super::error::{LogError, Place, Position};
 use super::signal::LogRow;
@@ -198,7 +198,7 @@ impl CandumpWriter {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::output::{Files, Kind};
+    use cg_output::{Files, Kind};
 
     fn writer(path: &std::path::Path) -> CandumpWriter {
         let target = Files::new(false).writes("path", path, Kind::Log).unwrap();

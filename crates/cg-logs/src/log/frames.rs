@@ -6,7 +6,8 @@ use cg_core::{Quantity, Sample};
 use cg_vehicle::scales::Scale;
 
 use crate::can::{
-    AscReader, CandumpError, CandumpFault, CandumpReader, Frame, Instant, Sampler, parse,
+    AscReader, CandumpError, CandumpFault, CandumpReader, Frame, Instant, MASS_SERVES_US, Sampler,
+    parse,
 };
 use crate::unscaled::is_unscaled;
 
@@ -112,6 +113,10 @@ impl FrameRows {
         if let Some(scale) = self.scale.filter(|_| self.without_truck && self.hears_bus) {
             let sd_kg = scale.usual_sd_kg(row.trailer_mass_kg);
             row.trailer_mass_sd_kg = sd_kg.unwrap_or(f64::NAN);
+        }
+        let is_old = |us: u64| sample.time_us.saturating_sub(us) > MASS_SERVES_US;
+        if self.sampler.weighed_us(sample.time_us).is_some_and(is_old) {
+            row.trailer_mass_kg = f64::NAN;
         }
         self.show_inclinometers(&mut row, sample.time_us);
         if self.sampler.shares_roll() {

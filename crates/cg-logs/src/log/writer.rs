@@ -6,7 +6,7 @@ use std::io::{self, BufWriter, Write};
 use flate2::Compression;
 use flate2::write::GzEncoder;
 
-use crate::output::{Draft, Target};
+use cg_output::{Draft, Target};
 
 use super::columns::resolve;
 use super::error::{ColumnName, LogError, Place, Position};
@@ -57,7 +57,7 @@ impl LogWriter {
     /// Begins a `.csv` or `.csv.gz` file with comment lines and the header.
     ///
     /// A path that is not a regular file, such as `/dev/stdout` or a pipe, is written directly.
-    /// [`Files`](crate::output::Files) decides which files may be written.
+    /// [`Files`](cg_output::Files) decides which files may be written.
     ///
     /// # Errors
     ///

@@ -6,7 +6,7 @@ use std::path::Path;
 use std::sync::{Arc, Mutex};
 
 use cg_logs::log::LogWriter;
-use cg_logs::output::{Files, Kind};
+use cg_output::{Files, Kind};
 use proptest::prelude::*;
 
 use super::*;

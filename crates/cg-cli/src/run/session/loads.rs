@@ -66,7 +66,7 @@ impl<W: Write> Session<W> {
         if self.doubted.hides && is_other {
             self.hidden_kg = Some(known_kg); // the turns were right
         }
-        if self.doubted.was_old || is_other {
+        if is_other {
             self.doubted = DoubtedMass::default();
         }
         if let Some(hidden_kg) = self.hidden_kg {
@@ -112,7 +112,7 @@ impl<W: Write> Session<W> {
         let is_again = self.doubted.is_high.replace(is_high) == Some(is_high);
         let is_old = match self.mass_source {
             MassSource::Kept => true,
-            MassSource::Signal => !self.weighing.weighed.covers(maneuver.start_us),
+            MassSource::Signal => self.weighing.weighed.is_old(maneuver.start_us),
             _ => false,
         };
         let shows = self.known.height_m.is_some();
@@ -120,7 +120,7 @@ impl<W: Write> Session<W> {
             return Ok(());
         }
         (self.doubted.hides, self.doubted.was_old) = (true, is_old);
-        let mass_kg = self.known.trailer_mass_kg;
+        let mass_kg = maneuver.trailer_mass_kg;
         let message = if is_old {
             format!(
                 "a turn gives a height of {height_m:.2} m, which no load has at the trailer mass of {mass_kg:.0} kg that was \

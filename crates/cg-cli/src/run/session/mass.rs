@@ -6,24 +6,34 @@ use cg_core::{Maneuver, Sample};
 use cg_logs::estimate::{is_held, weighed_mass};
 
 use super::Session;
+use crate::run::doubted::DoubtedMass;
 use crate::run::events::MassSource;
 
 impl<W: Write> Session<W> {
     /// Sets the mass of the sample, and reports its source.
     pub(super) fn weigh(&mut self, sample: &mut Sample<f64>) -> io::Result<()> {
+        let mut is_new = false;
         let is_first = if let Some(mass_kg) = self.trailer_mass_kg {
             sample.trailer_mass_kg = mass_kg;
             self.samples == 1
         } else if sample.trailer_mass_kg.is_nan() {
             self.unweighed_us.get_or_insert(sample.time_us);
-            return Ok(());
+            // A scale that sends once has told of another load, too.
+            let held_kg = self.weighed_kg.filter(|_| self.other_mass_us.is_some());
+            return held_kg.map_or(Ok(()), |trailer_mass_kg| {
+                self.unload(&Sample { trailer_mass_kg, ..*sample }, false)
+            });
         } else {
             let signal_kg = sample.trailer_mass_kg;
             sample.trailer_mass_kg = weighed_mass(self.estimator.design(), signal_kg);
-            self.weighing.weighed.weigh(sample.time_us, [signal_kg, sample.trailer_mass_kg]);
+            let masses_kg = [signal_kg, sample.trailer_mass_kg];
+            is_new = self.weighing.weigh(sample.time_us, masses_kg);
             self.weighed_kg.replace(sample.trailer_mass_kg).is_none()
         };
         self.unload(sample, is_first)?;
+        if is_new && self.doubted.was_old {
+            self.doubted = DoubtedMass::default();
+        }
         if self.trailer_mass_kg.is_none() && self.mass_source != MassSource::Signal {
             self.mass_source = MassSource::Signal;
             if self.nominal_mass_reported {

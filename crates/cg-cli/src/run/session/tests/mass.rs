@@ -240,3 +240,61 @@ fn a_height_that_no_load_has_is_told() {
         assert_eq!(count, usize::from(is_told), "{height_m} m: {told:?}");
     }
 }
+
+/// On a bus a mass is held in every sample. It confirms a load for two minutes after it came, and not for ever, and one that is held says
+/// nothing new of a load that a turn doubts.
+#[test]
+fn a_mass_that_is_held_on_a_bus_grows_old() {
+    let mut session = restarted();
+    session.mass_source = MassSource::Signal;
+    let held = |session: &mut Trial, time_us: u64| {
+        session.weighing.heard_us = Some(SECOND_US);
+        weighed(session, time_us, nominal_kg());
+    };
+    for s in 1..=300 {
+        held(&mut session, s * SECOND_US);
+    }
+    let fresh = [120, 121, 122].map(|s| session.weighing.weighed.covers(s * SECOND_US));
+    assert_eq!(fresh, [true, true, false]);
+    let mut one = one_turn();
+    (one.start_us, one.end_us) = (290 * SECOND_US, 300 * SECOND_US);
+    for outcome in &mut one.outcomes {
+        outcome.height_m = Err(Reject::Height(HeightError::OutOfRange { height_m: 7.7 }));
+    }
+    for s in [300, 310] {
+        session.maneuver(&one).unwrap();
+        held(&mut session, s * SECOND_US);
+    }
+    let told = names(&mut session).into_iter().filter(|name| name == "load").count();
+    assert!(told == 1 && session.doubted.hides && session.known.height_m.is_none(), "{told}");
+}
+
+/// A scale that sends once after loading, as one that sends on change does.
+#[test]
+fn a_mass_that_came_once_hides_the_height_of_another_load() {
+    let mut session = restarted();
+    session.mass_source = MassSource::Signal;
+    weighed(&mut session, SECOND_US, nominal_kg());
+    weighed(&mut session, 2 * SECOND_US, 1.2 * nominal_kg());
+    for s in 3..12 {
+        weighed(&mut session, s * SECOND_US, f64::NAN);
+    }
+    assert!(session.known.height_m.is_some());
+    weighed(&mut session, 12 * SECOND_US, f64::NAN);
+    assert!(session.known.height_m.is_none());
+    assert_eq!(names(&mut session), ["load"]);
+}
+
+/// A mass below that of the empty trailer, which counts instead, is neither old nor of before.
+#[test]
+fn a_light_mass_is_not_told_as_an_old_one() {
+    let mut session = session(None, 0.0);
+    session.mass_source = MassSource::Signal;
+    session.weighing.weighed.weigh(0, [6e3, 6.3e3]);
+    let mut one = one_turn();
+    for outcome in &mut one.outcomes {
+        outcome.height_m = Err(Reject::Height(HeightError::OutOfRange { height_m: 6.6 }));
+    }
+    session.maneuver(&one).unwrap();
+    assert!(!names(&mut session).contains(&"load".to_owned()));
+}

@@ -29,5 +29,10 @@ pub use draft::Draft;
 pub use error::OutputError;
 pub use files::Files;
 pub use kind::Kind;
-pub(crate) use place::Place;
+pub use place::Place;
 pub use target::Target;
+
+// The example of the page on crates.io is a test too.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -8,7 +8,7 @@ const LINKS: usize = 40;
 
 /// An existing file, or the place where a file will be created.
 #[derive(Debug)]
-pub(crate) struct Place {
+pub struct Place {
     resolved: PathBuf,
     /// Device and inode, which are equal for all names of one file.
     node: Option<(u64, u64)>,
@@ -22,7 +22,7 @@ impl PartialEq for Place {
 
 impl Place {
     /// The place of a path; `None` for devices and pipes, which cannot be replaced.
-    pub(crate) fn of(path: &Path) -> Option<Self> {
+    pub fn of(path: &Path) -> Option<Self> {
         let about = fs::metadata(path);
         if about.as_ref().is_ok_and(|about| !about.is_file()) {
             return None;

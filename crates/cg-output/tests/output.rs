@@ -11,7 +11,7 @@ use std::panic::catch_unwind;
 use std::path::Path;
 use std::process::Command;
 
-use cg_logs::output::{Draft, Files, Kind, OutputError, Target};
+use cg_output::{Draft, Files, Kind, OutputError, Target};
 
 const OURS: &str = "# HELP cg_height_metres height\n";
 
