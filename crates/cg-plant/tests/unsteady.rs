@@ -102,8 +102,7 @@ fn a_speed_that_changes_in_turns_is_told() {
         let is_told = |calibration: &Calibration| {
             calibration.statement.iter().filter(|line| line.contains(TOLD)).count()
         };
-        let [of_steady, of_unsteady] =
-            [&steady, &calibrated(&vehicle, 0.9)].map(|calibration| is_told(calibration));
+        let [of_steady, of_unsteady] = [&steady, &calibrated(&vehicle, 0.9)].map(is_told);
         assert_eq!((of_steady, of_unsteady), (0, 2), "{name}");
         for acceleration_mps2 in [0.0, 0.3, 0.6, 0.9] {
             for (payload_kg, cg_height_m) in [(6e3, 1.7), (14e3, 2.0)] {
