@@ -19,7 +19,7 @@ use serde::{Deserialize, Serialize};
 const FILTER_S: f64 = 1.0;
 /// Speed below which the yaw rate is not used, m/s.
 const LEAST_MPS: f64 = 3.0;
-/// Greatest `sin ψ` in a turn that is compared, `ψ` being 53 degrees: in a tighter one the trailer does not stand still.
+/// Greatest `sin ψ` in a turn that is compared, `ψ` being 53 degrees: in a tighter one it changes all the time.
 const GREATEST_SINE: f64 = 0.8;
 /// Longest interval between two samples of one drive, s.
 const GAP_S: f64 = 0.5;
