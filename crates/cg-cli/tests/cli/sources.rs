@@ -101,3 +101,61 @@ fn a_calibration_refuses_them_too() {
     cg(&[&calibrate[..], &["--bus", "can0"]].concat())
         .refused(&["--bus is for CAN", "no log has any"]);
 }
+
+/// A second roll sensor, at 0xE5, takes over when the first one falls silent.
+#[test]
+fn a_device_that_takes_over_is_told() {
+    let drive = drive();
+    let text = std::fs::read_to_string(&drive.candump).unwrap();
+    let changed: String = text
+        .lines()
+        .map(|line| match line.starts_with("(6") {
+            true => line.replace("0CF029E4#", "0CF029E5#") + "\n",
+            false => format!("{line}\n"),
+        })
+        .collect();
+    let log = drive.path("second.log");
+    std::fs::write(&log, changed).unwrap();
+    let found = lines(&drive.replay(&log, &[]).done());
+    let notices = told(&found, "roll_to_gravity");
+    assert_eq!(notices.len(), 1, "{notices:?}");
+    let parts =
+        ["0xE4 paused, and the values come from 0xE5", "--source-of roll_to_gravity=ADDRESS"];
+    for part in parts {
+        assert!(notices[0].contains(part), "{notices:?}");
+    }
+    let one = lines(&drive.replay(&log, &["--source-of", "roll_to_gravity=0xE4"]).done());
+    assert!(told(&one, "roll_to_gravity").is_empty());
+    let answer = estimate(&log, &drive.truck, &[]).done().answer();
+    assert!(answer["messages"].to_string().contains("0xE4 paused"), "{answer}");
+}
+
+/// A scale that falls silent says nothing of the load of half an hour later, 6 t less: the interval contains any load.
+#[test]
+fn a_mass_that_no_longer_comes_is_not_that_of_the_next_load() {
+    let drive = drive();
+    let lighter = drive.path("lighter.log");
+    let fixed = ["--maneuver", "drive", "--duration-s", "120", "--seed", "6", "--snr-db", "25"];
+    let load = ["--payload-kg", "4000", "--height-m", "1.6", "-o", &lighter];
+    let mut arguments = vec!["simulate", "--vehicle", &drive.truck];
+    arguments.extend(fixed.iter().chain(&load));
+    cg(&arguments).done();
+    let later = |line: &str| {
+        let (time, rest) = line.strip_prefix('(')?.split_once(')')?;
+        Some(format!("({:.6}){rest}", time.parse::<f64>().ok()? + 1800.0))
+    };
+    let [first, second] =
+        [&drive.candump, &lighter].map(|log| std::fs::read_to_string(log).unwrap());
+    let joined = |with_mass: bool| {
+        let kept = second.lines().filter(|line| with_mass || !line.contains("18FEEAC8#"));
+        let text = first.clone() + &kept.filter_map(later).collect::<Vec<_>>().join("\n") + "\n";
+        let log = drive.path("joined.log");
+        std::fs::write(&log, text).unwrap();
+        let found = lines(&drive.replay(&log, &[]).done());
+        events(&found, "status").last().map(|status| (*status).clone()).unwrap()
+    };
+    let sd_kg = |status: &Value| status["trailer_mass_sd_kg"].as_f64().unwrap();
+    let (weighed, silent) = (joined(true), joined(false));
+    assert!(sd_kg(&weighed) < 1000.0, "{weighed}");
+    assert!(silent["height_m"].is_null() || sd_kg(&silent) > 4000.0, "{silent}");
+}
