@@ -109,9 +109,9 @@ fn a_device_that_takes_over_is_told() {
     let text = std::fs::read_to_string(&drive.candump).unwrap();
     let changed: String = text
         .lines()
-        .map(|line| match line.starts_with("(6") {
-            true => line.replace("0CF029E4#", "0CF029E5#") + "\n",
-            false => format!("{line}\n"),
+        .map(|line| {
+            let address = if line.starts_with("(6") { "0CF029E5#" } else { "0CF029E4#" };
+            line.replace("0CF029E4#", address) + "\n"
         })
         .collect();
     let log = drive.path("second.log");
