@@ -284,7 +284,7 @@ impl LogEstimator {
             });
             let mut told = strength.messages();
             told.retain(|told| !identified.turns.contains(told));
-            identified.turns.append(&mut told.clone());
+            identified.turns.extend_from_slice(&told);
             told.extend(doubt.message());
             told.retain(|told| !identified.messages.contains(told));
             identified.messages.append(&mut told);

@@ -283,7 +283,8 @@ impl Strength {
         let is_told = braking.is_some() || speeding.is_some();
         let unsteady = (!is_told && self.unsteady_sd > TOLD_UNSTEADY).then(|| {
             format!(
-                "the truck braked and accelerated in turns, or before them, by {:.1} m/s²: the height can be some percent wrong, and the interval was made wider; estimate from turns at a steady speed",
+                "the truck braked and accelerated in turns, or before them, by {:.1} m/s²: the height can be some percent \
+                 wrong, and the interval was made wider; estimate from turns at a steady speed",
                 self.unsteady_mps2
             )
         });

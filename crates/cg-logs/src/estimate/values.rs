@@ -224,11 +224,21 @@ impl ValueCheck {
         }
     }
 
+    /// What is found of the signal in which the share of it is the greatest, with that share, and the signal.
+    fn worst<T>(
+        &self,
+        find: impl Fn(&Values, Quantity) -> Option<(f64, T)>,
+    ) -> Option<(f64, T, Quantity)> {
+        let found = self.of_signals.iter().zip(SIGNALS).filter_map(|(one, (signal, ..))| {
+            let (share, more) = find(one, signal)?;
+            Some((share, more, signal))
+        });
+        found.max_by(|a, b| a.0.total_cmp(&b.0))
+    }
+
     /// The signal with zeros that stand for missing samples, if there is one.
     pub(super) fn missing(&self) -> Option<String> {
-        let found = self.of_signals.iter().zip(SIGNALS);
-        let found = found.filter_map(|(one, (signal, ..))| Some((one.missing()?, signal)));
-        let (share, signal) = found.max_by(|a, b| a.0.total_cmp(&b.0))?;
+        let (share, (), signal) = self.worst(|one, _| Some((one.missing()?, ())))?;
         Some(format!(
             "{:.0} % of the {} is exactly 0 between values that are far from it: these are missing samples, which \
              count as measured; leave such cells empty",
@@ -239,13 +249,10 @@ impl ValueCheck {
 
     /// The signal that is cut off at the end of a sensor's range, if there is one.
     pub(super) fn cut_off(&self) -> Option<String> {
-        let found = self.of_signals.iter().zip(SIGNALS);
-        let found = found.filter(|(_, (signal, ..))| is_response(*signal));
-        let found = found.filter_map(|(one, (signal, ..))| {
-            let (end, share) = one.range_end.share(one.step)?;
-            Some((share, end, signal))
-        });
-        let (share, end, signal) = found.max_by(|a, b| a.0.total_cmp(&b.0))?;
+        let (share, end, signal) = self.worst(|one, signal| {
+            let (end, share) = one.range_end.share(one.step).filter(|_| is_response(signal))?;
+            Some((share, end))
+        })?;
         Some(format!(
             "{} stays at exactly {end:.3} {} in {:.0} % of its large values and never exceeds it, although it changes from \
              row to row elsewhere: it is cut off at the end of a range; record it with a wider one, or remove its column",
@@ -257,13 +264,11 @@ impl ValueCheck {
 
     /// The signal with a dead band about zero, if there is one.
     pub(super) fn dead(&self) -> Option<String> {
-        let found = self.of_signals.iter().zip(SIGNALS);
-        let found = found.filter(|(_, (signal, ..))| is_of_roll(*signal));
-        let found = found.filter_map(|(one, (signal, ..))| {
+        let (share, (), signal) = self.worst(|one, signal| {
             let noise = (one.step, (one.square / one.rows).sqrt());
-            Some((one.near_zero.dead_share(noise)?, signal))
-        });
-        let (share, signal) = found.max_by(|a, b| a.0.total_cmp(&b.0))?;
+            let share = one.near_zero.dead_share(noise).filter(|_| is_of_roll(signal))?;
+            Some((share, ()))
+        })?;
         Some(format!(
             "{} is exactly 0 in {:.0} % of the rows, although it has noise: it has a dead band there, so that the height can \
              be wrong by 20 %, which the interval does not contain; record it without one",
@@ -274,10 +279,10 @@ impl ValueCheck {
 
     /// The signal whose steps are as large as its motion, if there is one.
     pub(super) fn coarse(&self) -> Option<String> {
-        let found = self.of_signals.iter().zip(SIGNALS);
-        let found = found.filter(|(_, (signal, ..))| is_of_roll(*signal));
-        let found = found.filter_map(|(one, (signal, ..))| Some((one.coarse()?, signal)));
-        let ((step, share), signal) = found.max_by(|a, b| a.0.1.total_cmp(&b.0.1))?;
+        let (share, step, signal) = self.worst(|one, signal| {
+            let (step, share) = one.coarse().filter(|_| is_of_roll(signal))?;
+            Some((share, step))
+        })?;
         Some(format!(
             "{} comes in steps of {step:.2e} {}, whose rounding is {:.0} % of its motion: the height can be wrong \
              by as much and more, which the interval does not contain; record it with a finer resolution",

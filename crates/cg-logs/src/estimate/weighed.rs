@@ -6,8 +6,8 @@ use super::known::is_other_load;
 use super::options::EMPTY_SHARE;
 use crate::can::MASS_SERVES_US;
 
-/// A mass this long before a turn is not of before a change of the load that the turn shows, µs: nobody loads a truck and drives off so
-/// fast, and scales on a bus send every ten seconds.
+/// A mass that came less than this before a turn is that of the load in it, µs: nobody loads a truck and drives off so fast, and
+/// scales on a bus send every ten seconds.
 const NO_STOP_US: u64 = 30_000_000;
 
 /// Time constant of the mean of masses, s. Noise averages out in a turn; what is left differs from turn to turn.
