@@ -198,6 +198,21 @@ mod tests {
         }
     }
 
+    /// A steady turn at the end of the range, of which only the noise is cut off: half of its values are there, and half of these follow
+    /// another one. The mean loses 0.4 of the noise, 1.2 % of the turn.
+    #[test]
+    fn noise_that_is_cut_off_is_not_told() {
+        let mut source = StdRng::seed_from_u64(1);
+        let mut check = RangeEnd::default();
+        for k in 0..3000_u32 {
+            let white: f64 = StandardNormal.sample(&mut source);
+            let turn = (f64::from(k) / 100.0).min(1.0);
+            check.push((turn + 0.03 * white).min(1.0), 1e-9);
+        }
+        assert!(check.ends[0].repeats > LEAST);
+        assert_eq!(check.share(1e-9), None);
+    }
+
     /// A turn without noise that comes to rest at its greatest value, in a log with six decimals.
     #[test]
     fn what_comes_to_rest_by_itself_is_not_at_an_end() {
