@@ -178,6 +178,13 @@ mod tests {
                     "{noise} held in steps of {step}"
                 );
             }
+            // A sensor at 1 Hz in a log at 50 Hz.
+            let mut held = 0.0;
+            let hold = |value: f64, k: u32| {
+                held = if k.is_multiple_of(50) { value } else { held };
+                held
+            };
+            assert_eq!(check(noise, 1e-9, hold).share(1e-9), None, "{noise} held for a second");
             // A range that only a few values reach.
             assert_eq!(check(noise, 1e-9, |value, _| value.min(1.79)).share(1e-9), None, "{noise}");
         }
