@@ -220,6 +220,18 @@ mod tests {
         assert_eq!(check.share(1e-9), None);
     }
 
+    /// A slow sensor whose values are held everywhere, and come to the same greatest one several times.
+    #[test]
+    fn values_that_are_held_everywhere_are_not_at_an_end() {
+        let mut check = RangeEnd::default();
+        for k in 0..600_u32 {
+            check.push(if k / 30 % 2 == 0 { 0.5 } else { 1.0 }, 0.1);
+        }
+        let [greatest, _] = check.ends;
+        assert!(greatest.repeats > LEAST && greatest.arrivals > ARRIVALS);
+        assert_eq!(check.share(0.1), None);
+    }
+
     /// A turn without noise that comes to rest at its greatest value, in a log with six decimals.
     #[test]
     fn what_comes_to_rest_by_itself_is_not_at_an_end() {
