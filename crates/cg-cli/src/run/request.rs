@@ -50,7 +50,8 @@ mod tests {
     use cg_core::{Combined, Height, Measured, ThresholdLine};
     use cg_vehicle::{Variant, Vehicle};
 
-    /// A truck that tips at 0.4 g at every height, mass and speed, and its height.
+    /// A truck that tips at 0.4 g at every height, mass and speed, and its height. The standard deviation of its threshold
+    /// is the same at all speeds above 25 m/s.
     fn truck() -> (Design<f64>, Known) {
         let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/vehicles/kraz.toml");
         let vehicle = Vehicle::load(file).unwrap();
@@ -60,7 +61,7 @@ mod tests {
         let height = Height { height_m, random_sd_m: 0.05, maneuvers: 2 };
         let mass = (design.nominal_trailer_mass_kg, MassSource::Signal);
         let mut known = Known::new(Some(Combined::Agreed(height)), None, mass);
-        known.at_speed(&design, 20.0);
+        known.at_speed(&design, 40.0);
         (design, known)
     }
 
@@ -69,15 +70,15 @@ mod tests {
         share * Warner::bound_g(known.threshold_g.unwrap()) * design.gravity_mps2
     }
 
-    /// At half the bound, the curve of 20 m/s and three quarters of it is driven at 20 m/s · √(2/3).
+    /// At half the bound, the curve of 40 m/s and three quarters of it is driven at 40 m/s · √(2/3).
     #[test]
     fn the_request_is_the_speed_at_which_the_curve_keeps_the_share() {
         let (design, known) = truck();
         let mut request = SpeedRequest::new(0.5);
         for share in [0.75, -0.75] {
-            request.update(&design, &known, [20.0, at(&design, &known, share)]);
+            request.update(&design, &known, [40.0, at(&design, &known, share)]);
             let asked_mps = request.speed_mps.unwrap();
-            assert!((asked_mps - 20.0 * (2.0_f64 / 3.0).sqrt()).abs() < 1e-6, "{asked_mps}");
+            assert!((asked_mps - 40.0 * (2.0_f64 / 3.0).sqrt()).abs() < 1e-6, "{asked_mps}");
         }
     }
 

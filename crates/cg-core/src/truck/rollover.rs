@@ -5,15 +5,14 @@
 //! the static stability factor. Springs, tires, lash and axles that lift one after the other reduce
 //! the real threshold far below this value. The threshold is the greatest lateral acceleration of
 //! the trailer that the vehicle sustains in a steady turn; beyond it, the vehicle tips. It is
-//! computed offline for each height and mass, in turns at 40 and at 90 km/h, and stored in the
+//! computed offline for each height and mass, in turns at 30 and at 90 km/h, and stored in the
 //! design.
 //!
 //! At the same lateral acceleration a slower turn is tighter. The vehicle articulates more, and the
 //! slip angles within an axle group differ more. The curvature decreases with the square of the
 //! speed, and the effect of articulation is of second order in the curvature (a cosine). The
-//! reciprocal of the threshold is therefore interpolated linearly in `1/U⁴` between the two speeds.
-//! The error is at most 1 % for the vehicles in `fixtures` at their reference load (2.5 % with a
-//! small, low payload).
+//! reciprocal of the threshold is therefore linear in `1/U⁴`, between the two speeds and down to 25 km/h.
+//! docs/plant.md has the errors.
 //!
 //! **Reference.** Winkler et al., *Rollover of Heavy Commercial Vehicles*, UMTRI-99-19,
 //! ch. 2; Gillespie, *Fundamentals of Vehicle Dynamics*, ch. 9.
@@ -25,9 +24,11 @@ use crate::truck::ratio::Measured;
 /// greatest height.
 pub const HEIGHTS: usize = 8;
 
-/// The speeds at which a design has thresholds, 40 and 90 km/h. Beyond them the threshold of the
-/// nearer speed applies.
-pub const TURN_MPS: [f64; 2] = [40.0 / 3.6, 90.0 / 3.6];
+/// The speeds at which a design has thresholds, 30 and 90 km/h. Faster turns are treated as turns at 90 km/h.
+pub const TURN_MPS: [f64; 2] = [30.0 / 3.6, 90.0 / 3.6];
+/// Slower turns are treated as turns at 25 km/h: in a slower one the trailer articulates so far that its lateral
+/// acceleration does not reach a threshold.
+const SLOWEST_MPS: f64 = 25.0 / 3.6;
 
 /// Rollover thresholds over the height, for one trailer mass.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -54,12 +55,7 @@ impl<T: Real> ThresholdLine<T> {
     /// The thresholds over the height at a speed. If the speed is not known (NaN), the smaller
     /// threshold of both speeds applies.
     pub fn at_speed(&self, speed_mps: T) -> [T; HEIGHTS] {
-        let [slow, fast] = TURN_MPS.map(T::of);
-        let square = |x: T| x * x;
-        let curvature_2 = |mps: T| T::one() / square(square(mps));
-        let held = speed_mps.max(slow).min(fast);
-        let part =
-            (curvature_2(held) - curvature_2(fast)) / (curvature_2(slow) - curvature_2(fast));
+        let part = tightness(speed_mps);
         let [mut at, fast_g] = self.threshold_g;
         for (at_g, fast_g) in at.iter_mut().zip(fast_g) {
             *at_g =
@@ -67,6 +63,16 @@ impl<T: Real> ThresholdLine<T> {
         }
         at
     }
+}
+
+/// How tight turns at a speed are, by the squared curvature at the same lateral acceleration: one at 30 km/h, zero at
+/// 90 km/h. If the speed is not known (NaN), they count as those at 30 km/h.
+pub(super) fn tightness<T: Real>(speed_mps: T) -> T {
+    let [slow, fast] = TURN_MPS.map(T::of);
+    let square = |x: T| x * x;
+    let curvature_2 = |mps: T| T::one() / square(square(mps));
+    let held = if speed_mps.present() { speed_mps.max(T::of(SLOWEST_MPS)).min(fast) } else { slow };
+    (curvature_2(held) - curvature_2(fast)) / (curvature_2(slow) - curvature_2(fast))
 }
 
 /// Interpolates between two thresholds; the reciprocal is linear in `part`.
@@ -201,13 +207,22 @@ mod tests {
         assert!((measures.static_rollover_threshold_g.value - 0.95 / 2.0).abs() < 1e-12);
     }
 
-    /// 0.4 g at 40 km/h and 0.5 g at 90 km/h. Halfway between them in `1/U⁴` it is 1/(1.25 + 1) of
+    /// 0.4 g at 30 km/h and 0.5 g at 90 km/h. Halfway between them in `1/U⁴` it is 1/(1.25 + 1) of
     /// a g.
     #[test]
     fn a_tighter_turn_tips_at_less() {
         let line = ThresholdLine { threshold_g: [[0.4; HEIGHTS], [0.5; HEIGHTS]] };
         let middle_mps = (0.5 / TURN_MPS[0].powi(4) + 0.5 / TURN_MPS[1].powi(4)).powf(-0.25);
-        let known = [(0.0, 0.4), (40.0 / 3.6, 0.4), (middle_mps, 1.0 / 2.25), (25.0, 0.5)];
+        // At 25 km/h `1/U⁴` is 1.2⁴ times that at 30 km/h, and 1/3⁴ of the latter at 90 km/h: 1/g is 2 + 0.5 · 2.0868….
+        let fast_4 = 3.0_f64.powi(-4);
+        let slowest_g = 1.0 / (2.0 + 0.5 * (1.2_f64.powi(4) - fast_4) / (1.0 - fast_4));
+        let known = [
+            (0.0, slowest_g),
+            (25.0 / 3.6, slowest_g),
+            (30.0 / 3.6, 0.4),
+            (middle_mps, 1.0 / 2.25),
+            (25.0, 0.5),
+        ];
         for (speed_mps, g) in known.into_iter().chain([(40.0, 0.5), (f64::NAN, 0.4)]) {
             for found in line.at_speed(speed_mps) {
                 assert!((found - g).abs() < 1e-12, "{speed_mps}: {found}");

@@ -130,7 +130,8 @@ mod tests {
     /// Bound of what the last small step misses (see [`FINE_RAD`]), for empty to full trailers with low and
     /// high loads in tight and wide turns. A tenth of the step finds the value itself. Where the vehicle
     /// slides, the search finds the last states that the tires hold only to 2 %, which is as much as the grip of
-    /// tires is known at best.
+    /// tires is known at best. Empty and low trailers do not tip at 30 km/h: their turns end where the articulation has no
+    /// limit.
     #[test]
     fn thresholds_do_not_depend_on_the_steps() {
         let vehicles = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/vehicles");
@@ -140,9 +141,12 @@ mod tests {
                 let trailer_mass_kg = vehicle.empty_trailer_mass_kg() + payload_kg;
                 let load = Load { trailer_mass_kg, ..vehicle.reference_load() };
                 let vehicle = &*vehicle.with_springs_at(load).unwrap();
-                for speed_mps in [40.0 / 3.6, 90.0 / 3.6] {
-                    let plane = RollPlane::new(vehicle, load, speed_mps, 1.0).unwrap();
+                for kmh in [30.0, 40.0, 90.0] {
+                    let plane = RollPlane::new(vehicle, load, kmh / 3.6, 1.0).unwrap();
                     for cg_height_m in [1.2, 1.7, 2.3] {
+                        if kmh < 40.0 && (payload_kg == 0.0 || cg_height_m < 1.7) {
+                            continue;
+                        }
                         let found = plane.threshold_g(cg_height_m);
                         let exact = plane.threshold_in_steps(cg_height_m, 2e-3, 1e-4).unwrap();
                         let bound = if exact.slides { 0.02 } else { 0.0025 };

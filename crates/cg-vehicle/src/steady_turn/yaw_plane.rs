@@ -26,6 +26,10 @@ use crate::vehicle::{PlacedAxle, Vehicle};
 const STEPS: usize = 4;
 /// A step below this share of the velocity is due to rounding.
 const ROUNDING: f64 = 1e-9;
+/// Number of times that the yaw plane is solved again with the articulation that it found, and the change of it that ends
+/// this: where a turn exists, the changes become smaller from one to the next.
+const FOLLOWED: usize = 100;
+const FOLLOWED_RAD: f64 = 1e-3;
 /// Step of the velocity for a numerical derivative.
 const PROBE_MPS: f64 = 1e-4;
 
@@ -154,9 +158,27 @@ impl Turn {
         )
     }
 
-    /// The forces at a lateral acceleration, for the present state of the axles; `None` if the
-    /// tires cannot hold the vehicle in the turn.
+    /// The forces at a lateral acceleration, for the present state of the axles; `None` if there is no such turn: the
+    /// tires cannot hold the vehicle, or the trailer articulates so far that a tighter turn, which lowers its speed
+    /// along its own heading, would not accelerate it more.
     pub(super) fn sides(
+        &self,
+        alpha: f64,
+        standing: &[Standing<'_>],
+        drift: &mut Drift,
+    ) -> Option<Sides> {
+        for _ in 0..FOLLOWED {
+            let before_rad = drift.articulation_rad;
+            let sides = self.sides_once(alpha, standing, drift)?;
+            if (drift.articulation_rad - before_rad).abs() < FOLLOWED_RAD {
+                return Some(sides);
+            }
+        }
+        None
+    }
+
+    /// The same with the articulation and the velocities of the last solution, which become those of this one.
+    fn sides_once(
         &self,
         alpha: f64,
         standing: &[Standing<'_>],
@@ -164,8 +186,7 @@ impl Turn {
     ) -> Option<Sides> {
         let (sin, cos) = libm::sincos(drift.articulation_rad);
         let acceleration = alpha * self.gravity_mps2;
-        // `U2 = U cos γ − (v1 − r x5) sin γ`, with the articulation and the velocities of the last
-        // solution.
+        // `U2 = U cos γ − (v1 − r x5) sin γ`.
         let along_mps = self.speed_mps * cos - drift.tractor_mps * sin;
         let hitch_m = self.hitch_behind_cg_m;
         let radps = acceleration / (along_mps + acceleration / along_mps * hitch_m * sin);
