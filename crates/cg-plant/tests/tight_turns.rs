@@ -11,6 +11,7 @@ use cg_plant::maneuver::Maneuver;
 use cg_plant::road::{Road, RoadPoint};
 use cg_plant::sensors::ChassisSensors;
 use cg_plant::simulate::{LogSimulation, Scenario};
+use cg_vehicle::calibration::Calibration;
 use cg_vehicle::design::design_with;
 use cg_vehicle::{Load, Variant, Vehicle, VehicleError};
 
@@ -52,25 +53,39 @@ fn step(vehicle: &Vehicle, load: Load) -> Vec<LogRow> {
     rows(vehicle, load, &Road::new("step", points.to_vec()).unwrap())
 }
 
-/// The design of a vehicle file after two steps of the truck itself.
-fn calibrated(vehicle: &Vehicle, truck: &Vehicle, laden: Load) -> Design<f64> {
+/// The calibration of a vehicle file with a run of the empty truck, and one of each load.
+fn calibration(
+    vehicle: &Vehicle,
+    laden: &[Load],
+    run: impl Fn(Load) -> Vec<LogRow>,
+) -> Calibration {
     let empty = Load {
         trailer_mass_kg: vehicle.empty_trailer_mass_kg(),
         cg_height_m: vehicle.trailer.tare.cg_height_m,
     };
-    let runs = [empty, laden].map(|load| step(truck, load));
-    let logs = [
-        KnownLog { log: "0".to_owned(), load: KnownLoad::Empty },
-        KnownLog { log: "1".to_owned(), load: KnownLoad::exact(laden.cg_height_m, None) },
-    ];
+    let known =
+        laden.iter().map(|load| KnownLoad::exact(load.cg_height_m, Some(load.trailer_mass_kg)));
+    let logs: Vec<_> = std::iter::once(KnownLoad::Empty)
+        .chain(known)
+        .enumerate()
+        .map(|(k, load)| KnownLog { log: k.to_string(), load })
+        .collect();
+    let runs: Vec<_> = std::iter::once(empty).chain(laden.iter().copied()).map(run).collect();
     let options = CalibrateOptions::default();
     let found = calibrate(vehicle, options, &logs, |log, estimator| {
-        for row in &runs[usize::from(log.log == "1")] {
+        let place: usize = log.log.parse().unwrap();
+        for row in &runs[place] {
             estimator.push(row).unwrap();
         }
         Ok::<(), VehicleError>(())
     });
-    design_with(vehicle, Variant::Complete, &found.unwrap().belief()).unwrap()
+    found.unwrap()
+}
+
+/// The design of a vehicle file after two steps of the truck itself.
+fn calibrated(vehicle: &Vehicle, truck: &Vehicle, laden: Load) -> Design<f64> {
+    let found = calibration(vehicle, &[laden], |load| step(truck, load));
+    design_with(vehicle, Variant::Complete, &found.belief()).unwrap()
 }
 
 /// The rows with the lateral acceleration of the yaw rate.
@@ -214,5 +229,82 @@ fn a_specific_force_without_gravity_gives_no_height_in_roundabouts() {
                 );
             }
         }
+    }
+}
+
+/// A calibration in tight turns counts for less: 5 % of later intervals may miss. Without the articulation in the weight of its
+/// runs, 22 of 149 do. A turn of 20 m is told.
+#[test]
+fn later_intervals_hold_after_a_calibration_in_tight_turns() {
+    let (mut heights, mut missed) = (0, 0);
+    for name in ["kraz", "euro", "air", "baseline", "baseline-tables"] {
+        let mut vehicle = common::vehicle(&format!("{name}.toml"));
+        vehicle.road = Some(cg_vehicle::sensor_places::Road { bank_sd_rad: 0.0 });
+        let reference = vehicle.reference_load();
+        let empty_kg = vehicle.empty_trailer_mass_kg();
+        let load = |(share, cg_height_m): (f64, f64)| {
+            let trailer_mass_kg = empty_kg + share * (reference.trailer_mass_kg - empty_kg);
+            Load { trailer_mass_kg, cg_height_m }
+        };
+        for radius_m in [20.0, 27.0] {
+            let run = |load| rows(&vehicle, load, &turn(radius_m));
+            let laden = [(0.5, 2.2), (1.0, 1.8)].map(load);
+            let found = calibration(&vehicle, &laden, run);
+            let is_told = found.statement.iter().any(|line| line.contains("so tight"));
+            assert!(is_told || radius_m > 20.0, "{name}: {:?}", found.statement);
+            let design = design_with(&vehicle, Variant::Complete, &found.belief()).unwrap();
+            for (share, cg_height_m) in [(0.4, 1.7), (0.7, 2.2), (1.0, 1.9)] {
+                let measured = step(&vehicle, load((share, cg_height_m)));
+                for channel in Channel::ALL.map(Some).into_iter().chain([None]) {
+                    let options = EstimateOptions { channel, ..EstimateOptions::default() };
+                    let settings = vehicle.align_settings();
+                    let mut estimator = LogEstimator::from_design(&design, settings, options);
+                    for row in &measured {
+                        estimator.push(row).unwrap();
+                    }
+                    let [low, high] = estimator.finish().height_ci95_m.unwrap();
+                    heights += 1;
+                    if !(low..high).contains(&cg_height_m) {
+                        missed += 1;
+                        println!(
+                            "{name} {radius_m} m {share} {cg_height_m} m {channel:?}: {low:.3} to {high:.3} m"
+                        );
+                    }
+                }
+            }
+        }
+    }
+    println!("{missed} of {heights}");
+    assert!(heights == 150 && missed * 20 <= heights, "{missed}");
+}
+
+/// The ratio of a run is as uncertain as its articulation says, besides what it is without: for a trailer without a length,
+/// which does not articulate. This rest is 3 %, and may change by a tenth with the height: by a third of the square of what
+/// articulation adds, 2.5 %. The curvature is that at the greatest lateral acceleration, a few percent above the mean, and the
+/// standard deviation grows with at most its fourth power.
+#[test]
+fn a_run_in_tight_turns_counts_for_as_much_as_its_articulation_says() {
+    let vehicle = common::vehicle("euro.toml");
+    let design = cg_vehicle::design::design(&vehicle, Variant::Complete).unwrap();
+    let radius_m = 20.0;
+    let rows = rows(&vehicle, vehicle.reference_load(), &turn(radius_m));
+    for channel in [Channel::Suspension, Channel::Tractor] {
+        let sd = |trailer_wheelbase_m: f64| {
+            let mut design = design;
+            design.trailer_wheelbase_m = trailer_wheelbase_m;
+            let settings = vehicle.align_settings();
+            let mut estimator =
+                LogEstimator::from_design(&design, settings, EstimateOptions::default());
+            for row in &rows {
+                estimator.push(row).unwrap();
+            }
+            let ratio = estimator.identified().ratio[channel.index()].unwrap();
+            ratio.sd / ratio.value
+        };
+        let (with, without) = (sd(design.trailer_wheelbase_m), sd(0.0));
+        let found = (with * with - without * without).sqrt();
+        let expected = design.articulated_sd(channel, 1.0 / radius_m, false);
+        println!("{channel}: {found:.4}, {expected:.4}; without {without:.4}");
+        assert!((0.8 * expected..1.3 * expected).contains(&found), "{channel}: {found} {expected}");
     }
 }

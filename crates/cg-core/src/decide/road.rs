@@ -25,6 +25,7 @@
 use crate::math::real::Real;
 use crate::truck::articulation::Articulation;
 use crate::truck::channel::{Channel, Input};
+use crate::truck::design::Design;
 
 /// The share of the variance of the bank that all curves have in common.
 const COMMON_SHARE: f64 = 0.5;
@@ -124,6 +125,22 @@ impl<T: Real> Road<T> {
     fn articulation(&self) -> T {
         let square = self.articulation_rad * self.articulation_rad;
         (square - T::of(USUAL_ARTICULATION)).max(T::zero())
+    }
+}
+
+impl<T: Real, const C: usize> Design<T, C> {
+    /// Relative standard deviation of the ratio of a channel in turns of this curvature (1/m) by articulation;
+    /// `by_yaw_rate` if the lateral acceleration is yaw rate times speed.
+    pub fn articulated_sd(&self, channel: Channel, curvature_per_m: T, by_yaw_rate: bool) -> T {
+        let road = Road {
+            bank_sd_rad: T::zero(),
+            lateral_g: T::one(),
+            roll_rad_per_g: T::one(),
+            to_gravity: false,
+            by_yaw_rate,
+            articulation_rad: self.trailer_wheelbase_m * curvature_per_m,
+        };
+        road.articulated_sd(channel, &self.articulation(channel))
     }
 }
 

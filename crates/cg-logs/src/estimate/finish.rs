@@ -9,6 +9,7 @@ use super::leaning::threshold_g;
 use super::options::interval_95;
 use super::reason::reason;
 use super::road::RoadPart;
+use super::tight;
 
 /// Value of [`LogEstimate::channel`] if several channels were used.
 const COMBINED: &str = "combined";
@@ -272,7 +273,8 @@ impl LogEstimator {
             let ratio = self.ratio_of(channel, &doubted, identified.speed_mps, mass_kg);
             let strength = self.strong.strength(&self.design, (channel, height.height_m.value));
             let lean_sd = self.leaning.height_sd(self.options.lean, mass_kg);
-            let by_turns = libm::hypot(strength.sd, lean_sd);
+            let articulated_sd = self.strong.articulated_sd(&self.design, channel);
+            let by_turns = libm::hypot(libm::hypot(strength.sd, lean_sd), articulated_sd);
             let turn = [identified.speed_mps, mass_kg, height.height_m.value];
             let side = (self.options.side_wind, &self.design);
             let by_wind = self.windward.of_load().in_ratio(side, channel, turn);
@@ -283,6 +285,7 @@ impl LogEstimator {
                 ..ratio
             });
             let mut told = strength.messages();
+            told.extend(tight::told(articulated_sd));
             told.retain(|told| !identified.turns.contains(told));
             identified.turns.extend_from_slice(&told);
             told.extend(doubt.message());

@@ -21,6 +21,7 @@
 //! | `leaning` | whether the trailer leans in straight driving |
 //! | `left_out` | maneuvers that contradict the height so far |
 //! | `since_stop` | whether the load was another one after a stop |
+//! | `tight` | what is said of a calibration in tight turns |
 //! | `tilts` | what is not known of the gains of inclinometers |
 //! | `rated` | the noise of a roll rate whose integral is the roll angle |
 //! | `windward`, `by_wind` | what a side wind makes of the ratios, and which part of an interval that is |
@@ -62,6 +63,7 @@ mod since_stop;
 mod weighed;
 mod recorder;
 mod felt;
+mod tight;
 mod tilts;
 mod rated;
 mod by_wind;

@@ -130,6 +130,15 @@ impl StrongTurns {
         (self.path_squares > 0.0).then(|| usual_g.min(STRONGEST_G))
     }
 
+    /// Relative standard deviation of the ratio of a channel by the articulation in the turns. It has one sign.
+    pub(super) fn articulated_sd(&self, design: &Design<f64>, channel: Channel) -> f64 {
+        let used = self.maneuvers.iter().filter(|one| one.gave[channel.index()]);
+        let curvature = |one: &Peak| one.path_mps2 / (one.speed_mps * one.speed_mps);
+        let by_yaw_rate = self.speed.by_yaw_rate;
+        let sd = |one| design.articulated_sd(channel, curvature(one), by_yaw_rate);
+        mean(&used.map(sd).collect::<Vec<_>>())
+    }
+
     /// Takes the end of a maneuver; `true` if it is the first of another load.
     pub fn close(&mut self, maneuver: &Maneuver<f64>, is_of_another_load: bool) {
         if is_of_another_load {
