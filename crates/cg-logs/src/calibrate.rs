@@ -5,7 +5,7 @@
 
 use std::path::Path;
 
-use cg_core::Channel;
+use cg_core::{CHANNELS, Channel};
 use cg_vehicle::belief::Belief;
 use cg_vehicle::calibration::shape::shapes;
 use cg_vehicle::calibration::{Calibration, Judgment, Part, Procedure, Run, fit};
@@ -80,6 +80,7 @@ pub fn calibrate_with_trips<E: From<VehicleError>>(
     for pass in 1..=PASSES {
         let designs = RunDesigns::new(vehicle, options, &belief)?;
         let mut runs = Vec::with_capacity(logs.len());
+        let mut turns_sd = Vec::with_capacity(logs.len());
         for known in logs {
             let mut estimator = designs.estimator(known)?;
             if pass == PASSES {
@@ -104,7 +105,9 @@ pub fn calibrate_with_trips<E: From<VehicleError>>(
             let recorder = recorder.filter(|_| run.height_is_known() && run.lift_axle.is_down());
             shape_runs.extend(recorder.map(|recorder| recorder.finish(run.load, run.speed_mps)));
             runs.push(run);
+            turns_sd.push(identified.turns_sd);
         }
+        count_together(&mut runs, &turns_sd);
         forget_given(&mut trips, &runs);
         runs.extend_from_slice(&trips);
         let fitted = fit(vehicle, variant, procedure, &runs)?;
@@ -228,6 +231,22 @@ fn is_same_log(one: &str, other: &str) -> bool {
     one == other || place(one).is_some_and(|place_of_one| Some(place_of_one) == place(other))
 }
 
+/// What strong, tight and unsteady turns make of ratios has one sign in all runs, and does not average out: of as many runs as
+/// have it, each counts for that much less, so that all together have it once.
+fn count_together(runs: &mut [Run], turns_sd: &[[f64; CHANNELS]]) {
+    for channel in 0..CHANNELS {
+        let have = |(run, sd): (&Run, &[f64; CHANNELS])| run.ratio[channel].map(|_| sd[channel]);
+        let sds: Vec<_> = runs.iter().zip(turns_sd).filter_map(have).collect();
+        for (run, own) in runs.iter_mut().zip(turns_sd) {
+            let own = own[channel];
+            let others: f64 = sds.iter().map(|sd| (sd / own).min(1.0)).sum::<f64>() - 1.0;
+            if let Some(ratio) = run.ratio[channel].as_mut().filter(|_| own > 0.0) {
+                ratio.sd = libm::hypot(ratio.sd, others.max(0.0).sqrt() * own * ratio.value);
+            }
+        }
+    }
+}
+
 /// Removes trips from which a truck has learned and whose log is given, too.
 fn forget_given(trips: &mut Vec<Run>, runs: &[Run]) {
     trips.retain(|trip| {
@@ -319,4 +338,51 @@ fn run_of(
         ratio: identified.ratio,
         age_s: None,
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use cg_core::Measured;
+
+    fn run(ratio_sd: Option<f64>) -> Run {
+        let ratio = ratio_sd.map(|sd| Measured { value: 2.0, sd: 2.0 * sd });
+        Run {
+            log: String::new(),
+            load: Load { trailer_mass_kg: 20e3, cg_height_m: 1.8 },
+            height_sd_m: 0.0,
+            trailer_mass_sd_kg: 0.0,
+            lift_axle: LiftAxle::Down,
+            speed_mps: 15.0,
+            turn_g: None,
+            ratio: [ratio, None, None, None],
+            age_s: None,
+        }
+    }
+
+    /// The relative standard deviation of the mean of all runs by their weights.
+    fn of_mean(runs: &[Run]) -> f64 {
+        let precision = |run: &Run| run.ratio[0].map(|ratio| (ratio.value / ratio.sd).powi(2));
+        runs.iter().filter_map(precision).sum::<f64>().sqrt().recip()
+    }
+
+    /// Noise of 3 % averages out over four runs, the 4 % of their turns do not: √(0.015² + 0.04²). A run without such turns
+    /// counts for as much as before, and one with smaller ones takes part in proportion.
+    #[test]
+    fn what_turns_make_of_ratios_does_not_average_out() {
+        let both = f64::hypot(0.03, 0.04);
+        let turns = |share: f64| [share * 0.04, 0.0, 0.0, 0.0];
+        let mut runs = vec![run(Some(both)), run(Some(both)), run(Some(both)), run(Some(both))];
+        count_together(&mut runs, &[turns(1.0); 4]);
+        assert!((of_mean(&runs) / f64::hypot(0.015, 0.04) - 1.0).abs() < 1e-12);
+
+        let mut runs = vec![run(Some(both)), run(Some(0.03)), run(Some(0.05)), run(None)];
+        count_together(&mut runs, &[turns(1.0), turns(0.0), turns(0.25), turns(1.0)]);
+        let found: Vec<_> = runs.iter().map(|run| run.ratio[0].map(|one| one.sd / 2.0)).collect();
+        let [Some(one), Some(none), Some(less), None] = found[..] else { panic!("{found:?}") };
+        assert!((one - (0.03_f64.powi(2) + 1.25 * 0.04_f64.powi(2)).sqrt()).abs() < 1e-15);
+        assert!((none - 0.03).abs() < 1e-15);
+        // As many of its own size as there are runs with such turns.
+        assert!((less - (0.05_f64.powi(2) + 0.01_f64.powi(2)).sqrt()).abs() < 1e-15);
+    }
 }

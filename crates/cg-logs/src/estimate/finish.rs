@@ -258,6 +258,7 @@ impl LogEstimator {
             load_since_s: self.load_since_s(),
             ratio: [None; CHANNELS],
             turns: Vec::new(),
+            turns_sd: [0.0; CHANNELS],
             messages: self.messages(),
         };
         let Together { verdict, remark, .. } = self.together();
@@ -274,7 +275,9 @@ impl LogEstimator {
             let strength = self.strong.strength(&self.design, (channel, height.height_m.value));
             let lean_sd = self.leaning.height_sd(self.options.lean, mass_kg);
             let articulated_sd = self.strong.articulated_sd(&self.design, channel);
-            let by_turns = libm::hypot(libm::hypot(strength.sd, lean_sd), articulated_sd);
+            let turns_sd = libm::hypot(strength.sd, articulated_sd);
+            identified.turns_sd[channel.index()] = turns_sd;
+            let by_turns = libm::hypot(turns_sd, lean_sd);
             let turn = [identified.speed_mps, mass_kg, height.height_m.value];
             let side = (self.options.side_wind, &self.design);
             let by_wind = self.windward.of_load().in_ratio(side, channel, turn);

@@ -59,8 +59,10 @@ pub struct Identified {
     pub load_since_s: Option<f64>,
     /// DC ratios in the order of [`Channel::ALL`](cg_core::Channel::ALL), with the standard deviation due to noise.
     pub ratio: [Option<Measured<f64>>; CHANNELS],
-    /// What is said of strong turns, and of a speed that changes in them.
+    /// What is said of strong and tight turns, and of a speed that changes in them.
     pub turns: Vec<String>,
+    /// The part of the standard deviations, relative, that this is. It has one sign in all logs of a truck.
+    pub turns_sd: [f64; CHANNELS],
     /// Messages for the user, these among them.
     pub messages: Vec<String>,
 }
