@@ -11,7 +11,8 @@
 //! At the same lateral acceleration a slower turn is tighter. The vehicle articulates more, and the
 //! slip angles within an axle group differ more. The curvature decreases with the square of the
 //! speed, and the effect of articulation is of second order in the curvature (a cosine). The
-//! reciprocal of the threshold is therefore linear in `1/U⁴`, between the two speeds and down to 25 km/h.
+//! reciprocal of the threshold is therefore linear in `1/U⁴`, between the two speeds and down to 25 km/h, below which no
+//! steady turn tips the trailer.
 //! docs/plant.md has the errors.
 //!
 //! **Reference.** Winkler et al., *Rollover of Heavy Commercial Vehicles*, UMTRI-99-19,
@@ -26,8 +27,8 @@ pub const HEIGHTS: usize = 8;
 
 /// The speeds at which a design has thresholds, 30 and 90 km/h. Faster turns are treated as turns at 90 km/h.
 pub const TURN_MPS: [f64; 2] = [30.0 / 3.6, 90.0 / 3.6];
-/// Slower turns are treated as turns at 25 km/h: in a slower one the trailer articulates so far that its lateral
-/// acceleration does not reach a threshold.
+/// In slower turns, below 25 km/h, trailers do not tip, because their lateral acceleration cannot exceed `U²/2L` however tight
+/// the turn is. From there on the threshold returns to that of wide turns, which it is at rest.
 const SLOWEST_MPS: f64 = 25.0 / 3.6;
 
 /// Rollover thresholds over the height, for one trailer mass.
@@ -66,13 +67,16 @@ impl<T: Real> ThresholdLine<T> {
 }
 
 /// How tight turns at a speed are, by the squared curvature at the same lateral acceleration: one at 30 km/h, zero at
-/// 90 km/h. If the speed is not known (NaN), they count as those at 30 km/h.
+/// 90 km/h and, as no turn tips the trailer then, at rest. If the speed is not known (NaN), they count as those at 30 km/h.
 pub(super) fn tightness<T: Real>(speed_mps: T) -> T {
     let [slow, fast] = TURN_MPS.map(T::of);
     let square = |x: T| x * x;
-    let curvature_2 = |mps: T| T::one() / square(square(mps));
-    let held = if speed_mps.present() { speed_mps.max(T::of(SLOWEST_MPS)).min(fast) } else { slow };
-    (curvature_2(held) - curvature_2(fast)) / (curvature_2(slow) - curvature_2(fast))
+    let fourth = |mps: T| square(square(mps));
+    let slowest = T::of(SLOWEST_MPS);
+    let held = if speed_mps.present() { speed_mps.max(slowest).min(fast) } else { slow };
+    let curvature_2 = |mps: T| T::one() / fourth(mps);
+    let tight = (curvature_2(held) - curvature_2(fast)) / (curvature_2(slow) - curvature_2(fast));
+    if speed_mps < slowest { tight * fourth(speed_mps / slowest) } else { tight }
 }
 
 /// Interpolates between two thresholds; the reciprocal is linear in `part`.
@@ -217,12 +221,15 @@ mod tests {
         let fast_4 = 3.0_f64.powi(-4);
         let slowest_g = 1.0 / (2.0 + 0.5 * (1.2_f64.powi(4) - fast_4) / (1.0 - fast_4));
         let known = [
-            (0.0, slowest_g),
+            (0.0, 0.5),
             (25.0 / 3.6, slowest_g),
             (30.0 / 3.6, 0.4),
             (middle_mps, 1.0 / 2.25),
             (25.0, 0.5),
         ];
+        // At 12.5 km/h, a sixteenth of the way from the threshold at rest to that at 25 km/h.
+        let slower_g = 1.0 / (2.0 + (1.0 / slowest_g - 2.0) / 16.0);
+        let known = known.into_iter().chain([(12.5 / 3.6, slower_g)]);
         for (speed_mps, g) in known.into_iter().chain([(40.0, 0.5), (f64::NAN, 0.4)]) {
             for found in line.at_speed(speed_mps) {
                 assert!((found - g).abs() < 1e-12, "{speed_mps}: {found}");
