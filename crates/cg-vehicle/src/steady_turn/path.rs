@@ -160,4 +160,34 @@ mod tests {
             }
         }
     }
+
+    /// In the tightest turns the articulation changes much with the lateral acceleration. That of the threshold is the one
+    /// that its own lateral acceleration has, solved once more, and not that of the step before.
+    #[test]
+    fn the_articulation_is_that_of_the_threshold() {
+        let mut tips = 0;
+        let vehicles = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/vehicles");
+        for name in ["kraz", "euro", "baseline", "baseline-tables", "air"] {
+            let vehicle = Vehicle::load(format!("{vehicles}/{name}.toml")).unwrap();
+            for payload_kg in [5_000.0, 25_000.0] {
+                let trailer_mass_kg = vehicle.empty_trailer_mass_kg() + payload_kg;
+                let load = Load { trailer_mass_kg, ..vehicle.reference_load() };
+                let vehicle = &*vehicle.with_springs_at(load).unwrap();
+                for kmh in [22.0, 25.0, 30.0] {
+                    let plane = RollPlane::new(vehicle, load, kmh / 3.6, 1.0).unwrap();
+                    let found = plane.threshold_in_steps(1.9, STEP_RAD, FINE_RAD).unwrap();
+                    if found.slides {
+                        continue;
+                    }
+                    tips += 1;
+                    let mut again = found.clone();
+                    assert!(plane.turn_on(false, &mut again), "{name} {payload_kg} kg {kmh} km/h");
+                    let change = again.sides.cos - found.sides.cos;
+                    // The changes that end the solution are a milliradian at most, as cosines at most that.
+                    assert!(change.abs() < 2e-3, "{name} {payload_kg} kg {kmh} km/h: {change}");
+                }
+            }
+        }
+        assert!(tips >= 10, "{tips}"); // the others slide, or cannot be steered so
+    }
 }

@@ -90,7 +90,7 @@ pub(super) struct Point {
     pub(super) axles_rad: Vec<f64>,
     pub(super) axle_load_n: Vec<f64>,
     hitch_load_n: f64,
-    sides: Sides,
+    pub(super) sides: Sides,
     drift: Drift,
     /// The tires cannot hold the vehicle, which slides before it tips.
     pub(super) slides: bool,
