@@ -85,6 +85,7 @@ fn calibration(
 /// The design of a vehicle file after two steps of the truck itself.
 fn calibrated(vehicle: &Vehicle, truck: &Vehicle, laden: Load) -> Design<f64> {
     let found = calibration(vehicle, &[laden], |load| step(truck, load));
+    assert!(!found.statement.iter().any(|line| line.contains("so tight")), "{:?}", found.statement);
     design_with(vehicle, Variant::Complete, &found.belief()).unwrap()
 }
 
@@ -307,4 +308,28 @@ fn a_run_in_tight_turns_counts_for_as_much_as_its_articulation_says() {
         println!("{channel}: {found:.4}, {expected:.4}; without {without:.4}");
         assert!((0.8 * expected..1.3 * expected).contains(&found), "{channel}: {found} {expected}");
     }
+}
+
+/// What turns make of the ratios of a calibration has one sign, so that it counts once for all of its runs: a third run adds its
+/// variance once more to each. The bounds are those of the test of one run.
+#[test]
+fn more_runs_in_tight_turns_do_not_say_more() {
+    let vehicle = common::vehicle("euro.toml");
+    let reference = vehicle.reference_load();
+    let half = Load {
+        trailer_mass_kg: f64::midpoint(vehicle.empty_trailer_mass_kg(), reference.trailer_mass_kg),
+        ..reference
+    };
+    let of_tractor = |laden: &[Load]| {
+        let found = calibration(&vehicle, laden, |load| rows(&vehicle, load, &turn(20.0)));
+        let is_tractor = |name: &str| name == Channel::Tractor.to_string();
+        let channel = found.run[0].channel.iter().find(|one| is_tractor(&one.name)).unwrap();
+        channel.ratio_sd / channel.ratio
+    };
+    let (two, three) = (of_tractor(&[reference]), of_tractor(&[half, reference]));
+    let design = cg_vehicle::design::design(&vehicle, Variant::Complete).unwrap();
+    let expected = design.articulated_sd(Channel::Tractor, 1.0 / 20.0, false);
+    let added = (three * three - two * two).max(0.0).sqrt();
+    println!("{two:.4} {three:.4}: {added:.4}, {expected:.4}");
+    assert!((0.8 * expected..1.3 * expected).contains(&added), "{added} {expected}");
 }
