@@ -11,3 +11,17 @@ pub(super) fn told(articulated_sd: f64) -> Option<String> {
             .to_owned()
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::told;
+
+    /// Less than what a model leaves of a calibrated ratio anyway is not told.
+    #[test]
+    fn only_what_matters_is_told() {
+        assert_eq!(
+            [0.0, 0.012, 0.013, 0.1].map(|sd| told(sd).is_some()),
+            [false, false, true, true]
+        );
+    }
+}
