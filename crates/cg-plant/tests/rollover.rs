@@ -446,9 +446,9 @@ fn the_table_of_errors() {
 
 /// In slow turns, which are tight, the trailer articulates, and its lateral acceleration can hardly become greater than
 /// `U²/2L`. The threshold on board is compared with the plant's ramp for loads and speeds other than those by which its
-/// standard deviation was chosen. Its mean square of error over standard deviation may be as small as in other turns
-/// (0.3, docs/plant.md), and is at most 1.7 with a probability of 1 % if each of the five trucks counts as one case with
-/// three degrees of freedom (χ² of 15). With a threshold that is held below 40 km/h it would be 72.
+/// standard deviation was chosen. If each of the five trucks has three degrees of freedom, the mean square of error over
+/// standard deviation is above 1.7 with a probability of 5 % (χ² of 15), and, if it is 0.3 as in other turns (docs/plant.md),
+/// below 0.3 · 0.35 with one of 1 %. With a threshold that is held below 40 km/h it would be 72.
 #[test]
 fn slow_turns_tip_where_the_estimator_on_board_says() {
     let (mut count, mut squares) = (0.0, 0.0);

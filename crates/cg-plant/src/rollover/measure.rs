@@ -192,8 +192,8 @@ fn statics(subject: &Subject<'_>, all: &mut RolloverMeasures) -> Result<(), Vehi
         "g",
         Some(on_board.static_rollover_threshold_g.value),
         format!(
-            "The same as the on-board estimator computes it from the height and {:.0} km/h: interpolated \
-             between steady turns at 30 and 90 km/h.",
+            "The same as the on-board estimator computes it from the height and {:.0} km/h, from \
+             steady turns at 30 and 90 km/h.",
             3.6 * speed_mps
         ),
     );

@@ -32,7 +32,7 @@ pub(crate) fn thresholds_g<const N: usize>(
 
 /// The static stability factor and the threshold of a load in a steady turn at a speed, as the
 /// estimator on board computes them for a known height. They are based on the vehicle file without
-/// calibration, and the threshold is interpolated between 30 and 90 km/h.
+/// calibration, and the threshold follows from those at 30 and 90 km/h.
 ///
 /// # Errors
 /// [`VehicleError`] if the load is impossible.
