@@ -70,11 +70,14 @@ pub(crate) fn read_frames(
 /// Reads all rows of a file, and the remarks about it.
 fn read(py: Python<'_>, path: &Path, options: &LogOptions) -> PyResult<(Table, Vec<String>)> {
     let mut reader = py.detach(|| LogReader::open(path, options)).map_err(log_error)?;
-    let mut table = Table::default();
+    let mut table = Table::of(&[]);
     let mut read_some = || -> Result<bool, LogError> {
         for _ in 0..ROWS_BETWEEN_LOOKS {
             if !reader.advance()? {
                 return Ok(false);
+            }
+            if table.rows == 0 {
+                table = Table::of(reader.signals()); // the first row may have said more than the header
             }
             table.push(&reader.row());
         }
@@ -87,16 +90,20 @@ fn read(py: Python<'_>, path: &Path, options: &LogOptions) -> PyResult<(Table, V
 }
 
 /// The columns of rows, of one length; empty for absent signals.
-#[derive(Default)]
 struct Table {
-    columns: [Vec<f64>; Signal::COUNT],
+    columns: Vec<(Signal, Vec<f64>)>,
     rows: usize,
 }
 
 impl Table {
+    /// A table of rows with no other signals than these.
+    fn of(signals: &[Signal]) -> Self {
+        Self { columns: signals.iter().map(|signal| (*signal, Vec::new())).collect(), rows: 0 }
+    }
+
     fn push(&mut self, row: &LogRow) {
-        for (column, signal) in self.columns.iter_mut().zip(Signal::ALL) {
-            let value = row.get(signal);
+        for (signal, column) in &mut self.columns {
+            let value = row.get(*signal);
             if column.is_empty() {
                 if value.is_nan() {
                     continue;
@@ -111,7 +118,7 @@ impl Table {
     /// A dict of SI column names to arrays.
     fn into_dict(self, py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
         let table = PyDict::new(py);
-        for (column, signal) in self.columns.into_iter().zip(Signal::ALL) {
+        for (signal, column) in self.columns {
             if !column.is_empty() {
                 table.set_item(signal.column(), PyArray1::from_vec(py, column))?;
             }
@@ -122,7 +129,7 @@ impl Table {
 
 /// Converts rows to a dict of SI column names to arrays, without absent signals.
 pub(crate) fn table<'py>(py: Python<'py>, rows: &[LogRow]) -> PyResult<Bound<'py, PyDict>> {
-    let mut table = Table::default();
+    let mut table = Table::of(&Signal::ALL);
     for row in rows {
         table.push(row);
     }

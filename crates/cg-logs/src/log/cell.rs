@@ -89,7 +89,7 @@ impl Slot {
     /// Converts a number to SI units.
     #[inline]
     pub(super) fn si(self, value: f64) -> f64 {
-        value * self.times / self.per
+        if self.is_si { value } else { value * self.times / self.per }
     }
 
     /// The number at the beginning of `rest` and its length in bytes, if it is finite and ends at

@@ -181,9 +181,11 @@ impl<'a> RollPlane<'a> {
             .iter()
             .enumerate()
             .map(|(i, axle)| Standing {
-                tyres: &axle.tyres,
-                load_n: point.axle_load_n[i],
-                angle_rad: point.axles_rad[i] / self.compliance,
+                loads_n: axle
+                    .tyres
+                    .loads_n(point.axle_load_n[i], point.axles_rad[i] / self.compliance)
+                    .filter(|load_n| *load_n > 0.0)
+                    .collect(),
                 lean_rad: if axle.on_trailer { point.roll_rad } else { point.tractor_rad }
                     - point.axles_rad[i],
             })

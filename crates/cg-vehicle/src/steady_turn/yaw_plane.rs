@@ -16,7 +16,6 @@
 //! the slip angles of the axles in a group differ by their distance divided by the radius. The rear
 //! axle therefore carries more lateral force and lifts first.
 
-use super::support::Tyres;
 use crate::characteristics::Grip;
 use crate::load::SprungMass;
 use crate::vehicle::{PlacedAxle, Vehicle};
@@ -103,12 +102,9 @@ struct Pace {
     trailer_mps: f64,
 }
 
-/// State of an axle: its tires, their load, its roll angle, and the roll angle of the body relative
-/// to it.
-pub(super) struct Standing<'a> {
-    pub(super) tyres: &'a Tyres,
-    pub(super) load_n: f64,
-    pub(super) angle_rad: f64,
+/// State of an axle: the loads of its tires on the road, and the roll angle of the body relative to it.
+pub(super) struct Standing {
+    pub(super) loads_n: Vec<f64>,
     pub(super) lean_rad: f64,
 }
 
@@ -146,16 +142,14 @@ impl Turn {
     }
 
     /// Force and aligning moment of an axle's tires at a slip angle.
-    fn grip(&self, axle: &Rolling, slip_rad: f64, on: &Standing<'_>) -> (f64, f64) {
+    fn grip(&self, axle: &Rolling, slip_rad: f64, on: &Standing) -> (f64, f64) {
         let grip = &self.kinds[axle.kind];
-        on.tyres.loads_n(on.load_n, on.angle_rad).filter(|load_n| *load_n > 0.0).fold(
-            (0.0, 0.0),
-            |sum, load_n| {
-                let (force_n, moment_nm) = grip.at(slip_rad, load_n);
-                // The force of the tires is opposite to the slip.
-                (sum.0 - force_n, sum.1 + moment_nm)
-            },
-        )
+        let row = grip.row(slip_rad);
+        on.loads_n.iter().fold((0.0, 0.0), |sum, &load_n| {
+            let (force_n, moment_nm) = grip.near(slip_rad, load_n, row);
+            // The force of the tires is opposite to the slip.
+            (sum.0 - force_n, sum.1 + moment_nm)
+        })
     }
 
     /// The forces at a lateral acceleration, for the present state of the axles; `None` if there is no such turn: the
@@ -164,7 +158,7 @@ impl Turn {
     pub(super) fn sides(
         &self,
         alpha: f64,
-        standing: &[Standing<'_>],
+        standing: &[Standing],
         drift: &mut Drift,
     ) -> Option<Sides> {
         for _ in 0..FOLLOWED {
@@ -178,12 +172,7 @@ impl Turn {
     }
 
     /// The same with the articulation and the velocities of the last solution, which become those of this one.
-    fn sides_once(
-        &self,
-        alpha: f64,
-        standing: &[Standing<'_>],
-        drift: &mut Drift,
-    ) -> Option<Sides> {
+    fn sides_once(&self, alpha: f64, standing: &[Standing], drift: &mut Drift) -> Option<Sides> {
         let (sin, cos) = libm::sincos(drift.articulation_rad);
         let acceleration = alpha * self.gravity_mps2;
         // `U2 = U cos γ − (v1 − r x5) sin γ`.
@@ -216,7 +205,7 @@ impl Turn {
     }
 
     /// Force and aligning moment of an axle at the slip angle of its middle.
-    fn held(&self, i: usize, slip_rad: f64, standing: &[Standing<'_>]) -> (f64, f64) {
+    fn held(&self, i: usize, slip_rad: f64, standing: &[Standing]) -> (f64, f64) {
         let (axle, on) = (&self.axles[i], &standing[i]);
         self.grip(axle, slip_rad + axle.roll_steer * on.lean_rad, on)
     }
@@ -226,7 +215,7 @@ impl Turn {
     fn trailer(
         &self,
         pace: &Pace,
-        standing: &[Standing<'_>],
+        standing: &[Standing],
         drift: &mut Drift,
         axle_n: &mut [f64],
     ) -> Option<[f64; 2]> {
@@ -262,7 +251,7 @@ impl Turn {
         &self,
         pace: &Pace,
         hitch_n: f64,
-        standing: &[Standing<'_>],
+        standing: &[Standing],
         drift: &mut Drift,
         axle_n: &mut [f64],
     ) -> Option<()> {
