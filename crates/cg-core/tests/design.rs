@@ -13,7 +13,7 @@ use DesignError::{NotCovariance, NotFinite, NotIncreasing, NotPositive};
 type Place = fn(&mut Design<f64, 2>) -> &mut f64;
 
 /// The numbers that must be positive, with the name that the error contains.
-const POSITIVE: [(&str, Place); 12] = [
+const POSITIVE: [(&str, Place); 13] = [
     ("least_height_m", |d| &mut d.least_height_m),
     ("compensation", |d| &mut d.channels[1].compensation),
     ("spread of a ratio", |d| &mut d.spread[7][5].covariance[0][0]),
@@ -21,6 +21,7 @@ const POSITIVE: [(&str, Place); 12] = [
     ("rollover half_track_m", |d| &mut d.rollover.half_track_m),
     ("rollover unsprung_mass_kg", |d| &mut d.rollover.unsprung_mass_kg),
     ("rollover unsprung_height_m", |d| &mut d.rollover.unsprung_height_m),
+    ("rollover tightest_turn_g", |d| &mut d.rollover.tightest_turn_g),
     ("rollover threshold", |d| &mut d.thresholds[5].threshold_g[1][7]),
     ("nominal_speed_mps", |d| &mut d.nominal_speed_mps),
     ("nominal_trailer_mass_kg", |d| &mut d.nominal_trailer_mass_kg),
@@ -435,9 +436,9 @@ fn the_threshold_is_uncertain_by_model_and_place_of_the_load() {
     let threshold_g = found.static_rollover_threshold_g.value;
     let cg_m = design.rollover.half_track_m / found.static_stability_factor_g;
     assert!(threshold_g < 0.5);
-    // At 20 m/s `1/U⁴` has 1.8 % of the way from 90 to 30 km/h behind it, and 3 % of the threshold are uncertain there.
-    let [slow, here, fast] = [30.0, 72.0, 90.0_f64].map(|kmh| kmh.powi(-4));
-    let by_turn = 0.03 * (here - fast) / (slow - fast);
+    // At 20 m/s `1/U⁴` has 5.8 % of the way from 90 to 40 km/h behind it, and 0.6 % of the threshold are uncertain there.
+    let [slow, here, fast] = [40.0, 72.0, 90.0_f64].map(|kmh| kmh.powi(-4));
+    let by_turn = 0.006 * (here - fast) / (slow - fast);
     let expected = f64::hypot((0.015 + by_turn) * threshold_g, 0.03 / cg_m);
     assert!((found.static_rollover_threshold_g.sd / expected - 1.0).abs() < 1e-12);
     assert!((design.earlier_g(&found, 20e3, -0.1) + 0.06 / cg_m).abs() < 1e-12);

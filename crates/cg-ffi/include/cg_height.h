@@ -83,9 +83,11 @@ typedef struct cg_rollover_design {
     float unsprung_mass_kg;
     float unsprung_height_m;
     float payload_beside_sd_m;
+    /* At 30 km/h; it grows with the square of the speed. */
+    float tightest_turn_g;
 } cg_rollover_design;
 
-/* Rollover thresholds at one mass in steady turns at 30 and at 90 km/h, for heights evenly spaced
+/* Rollover thresholds at one mass in steady turns at 40 and at 90 km/h, for heights evenly spaced
  * from the least to the greatest. */
 typedef struct cg_threshold_line {
     float threshold_g[2][CG_HEIGHTS];
@@ -314,7 +316,7 @@ int32_t cg_estimator_finish(cg_estimator *estimator, cg_step *step);
 int32_t cg_estimator_height(const cg_estimator *estimator, int32_t channel, cg_height *height);
 
 /* The rollover threshold at the combined height, for a trailer of this mass in a steady turn at this
- * speed (NAN: the lower of the thresholds at 30 and 90 km/h).
+ * speed (NAN: the lower of the thresholds at 40 and 90 km/h).
  * Errors: CG_NULL_POINTER, CG_MISALIGNED, CG_NOT_INITIALISED, CG_NO_ANSWER. */
 int32_t cg_estimator_threshold(const cg_estimator *estimator, float trailer_mass_kg,
                                float speed_mps, cg_rollover *rollover);

@@ -34,6 +34,7 @@ static DESIGN: Design = Design {
         unsprung_mass_kg: 2e3,
         unsprung_height_m: 0.5,
         payload_beside_sd_m: 0.05,
+        tightest_turn_g: 0.4,
     },
     thresholds: [ThresholdLine {
         threshold_g: [

@@ -81,7 +81,9 @@ structures! {
     Reduced5 { numerator, denominator, speed_slope }
     RatioLine { a0, a1, b0, b1 }
     Spread<C> { covariance }
-    RolloverDesign { half_track_m, unsprung_mass_kg, unsprung_height_m, payload_beside_sd_m }
+    RolloverDesign {
+        half_track_m, unsprung_mass_kg, unsprung_height_m, payload_beside_sd_m, tightest_turn_g,
+    }
     ThresholdLine { threshold_g }
 }
 

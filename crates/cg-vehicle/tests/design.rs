@@ -269,7 +269,7 @@ fn the_thresholds_of_a_run_are_those_of_its_height() {
     let runs = RatioDesign::new(&vehicle, Variant::Complete, &belief).unwrap();
     for cg_height_m in [1.3, 2.4] {
         let design = runs.at_height(cg_height_m).unwrap();
-        for (trailer_mass_kg, kmh) in design.trailer_mass_kg.into_iter().zip([30.0, 90.0, 30.0]) {
+        for (trailer_mass_kg, kmh) in design.trailer_mass_kg.into_iter().zip([40.0, 90.0, 40.0]) {
             let (load, speed_mps) = (Load { trailer_mass_kg, cg_height_m }, kmh / 3.6);
             let known = steady_turn_threshold_g(&moved, load, speed_mps).unwrap();
             for height_m in [-200.0, 1.8, 500.0] {

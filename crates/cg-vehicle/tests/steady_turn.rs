@@ -22,8 +22,9 @@ fn thresholds(vehicle: &Vehicle, payload_kg: f64, speed_mps: f64) -> Vec<(f64, f
 /// The threshold falls as the load rises, and without a jump where the vehicle tips. Of a rigid
 /// vehicle of threshold `T/2h` the second difference is `2 (STEP/h)²`, 0.35 % for the lowest load; the
 /// search misses up to 0.25 % in each of the three values (`steady_turn::path`), which count four times.
-/// A low load slides before it tips, at a lateral acceleration that hardly depends on the height (3 % up or down), and
-/// where another axle lifts first in a tight turn, the threshold really jumps by up to 4 %.
+/// A low load slides before it tips, at a lateral acceleration that hardly depends on the height: 3 % up or down, and 5 %
+/// near the tightest turn, where the lateral acceleration stays the same from the first axle that lifts to the last. Where
+/// another axle lifts first in a tight turn, the threshold really jumps by up to 4 %.
 #[test]
 fn a_higher_load_has_a_lower_threshold() {
     for name in ["kraz.toml", "euro.toml", "baseline.toml", "baseline-tables.toml", "air.toml"] {
@@ -33,7 +34,7 @@ fn a_higher_load_has_a_lower_threshold() {
                 for near in thresholds(&vehicle, payload_kg, speed_mps).windows(3) {
                     let [(_, below), (height_m, here), (_, above)] = near.try_into().unwrap();
                     let (rise, greatest_bend) =
-                        if here < tips_below_g { (1.0, 0.0135) } else { (1.03, 0.06) };
+                        if here < tips_below_g { (1.0, 0.0135) } else { (1.05, 0.09) };
                     let bend = (below + above - 2.0 * here).abs() / here;
                     assert!(
                         here < rise * below && above < rise * here && bend < greatest_bend,

@@ -181,6 +181,7 @@ impl<T: Real, const C: usize> Design<T, C> {
                 unsprung_mass_kg: to(self.rollover.unsprung_mass_kg),
                 unsprung_height_m: to(self.rollover.unsprung_height_m),
                 payload_beside_sd_m: to(self.rollover.payload_beside_sd_m),
+                tightest_turn_g: to(self.rollover.tightest_turn_g),
             },
             thresholds: self.thresholds.map(|line| ThresholdLine {
                 threshold_g: line.threshold_g.map(|line| line.map(to)),
@@ -238,6 +239,7 @@ impl<T: Real, const C: usize> Design<T, C> {
         positive(self.rollover.half_track_m, "rollover half_track_m")?;
         positive(self.rollover.unsprung_mass_kg, "rollover unsprung_mass_kg")?;
         positive(self.rollover.unsprung_height_m, "rollover unsprung_height_m")?;
+        positive(self.rollover.tightest_turn_g, "rollover tightest_turn_g")?;
         let beside_m = self.rollover.payload_beside_sd_m;
         if !(beside_m >= T::zero() && beside_m.present()) {
             return Err(DesignError::NotPositive("rollover payload_beside_sd_m"));

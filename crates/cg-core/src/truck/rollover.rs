@@ -5,15 +5,15 @@
 //! the static stability factor. Springs, tires, lash and axles that lift one after the other reduce
 //! the real threshold far below this value. The threshold is the greatest lateral acceleration of
 //! the trailer that the vehicle sustains in a steady turn; beyond it, the vehicle tips. It is
-//! computed offline for each height and mass, in turns at 30 and at 90 km/h, and stored in the
+//! computed offline for each height and mass, in turns at 40 and at 90 km/h, and stored in the
 //! design.
 //!
 //! At the same lateral acceleration a slower turn is tighter. The vehicle articulates more, and the
 //! slip angles within an axle group differ more. The curvature decreases with the square of the
 //! speed, and the effect of articulation is of second order in the curvature (a cosine). The
-//! reciprocal of the threshold is therefore linear in `1/U⁴`, between the two speeds and down to 25 km/h, below which no
-//! steady turn tips the trailer.
-//! docs/plant.md has the errors.
+//! reciprocal of the threshold is therefore linear in `1/U⁴`, between the two speeds and down to 25 km/h. A trailer that
+//! stands at about 45° to the tractor cannot be accelerated more by a tighter turn: its lateral acceleration cannot exceed
+//! about `U²/2L`, and nor can the threshold. docs/plant.md has the errors.
 //!
 //! **Reference.** Winkler et al., *Rollover of Heavy Commercial Vehicles*, UMTRI-99-19,
 //! ch. 2; Gillespie, *Fundamentals of Vehicle Dynamics*, ch. 9.
@@ -25,10 +25,12 @@ use crate::truck::ratio::Measured;
 /// greatest height.
 pub const HEIGHTS: usize = 8;
 
-/// The speeds at which a design has thresholds, 30 and 90 km/h. Faster turns are treated as turns at 90 km/h.
-pub const TURN_MPS: [f64; 2] = [30.0 / 3.6, 90.0 / 3.6];
-/// In slower turns, below 25 km/h, trailers do not tip, because their lateral acceleration cannot exceed `U²/2L` however tight
-/// the turn is. From there on the threshold returns to that of wide turns, which it is at rest.
+/// The speeds at which a design has thresholds, 40 and 90 km/h. Faster turns are treated as turns at 90 km/h.
+pub const TURN_MPS: [f64; 2] = [40.0 / 3.6, 90.0 / 3.6];
+/// The speed of [`RolloverDesign::tightest_turn_g`], 30 km/h.
+pub const TIGHTEST_MPS: f64 = 30.0 / 3.6;
+/// In slower turns, below 25 km/h, trailers do not tip, however tight the turn is. From there on the threshold returns to that
+/// of wide turns, which it is at rest.
 const SLOWEST_MPS: f64 = 25.0 / 3.6;
 
 /// Rollover thresholds over the height, for one trailer mass.
@@ -53,30 +55,52 @@ impl<T: Real> ThresholdLine<T> {
         blended
     }
 
-    /// The thresholds over the height at a speed. If the speed is not known (NaN), the smaller
-    /// threshold of both speeds applies.
-    pub fn at_speed(&self, speed_mps: T) -> [T; HEIGHTS] {
-        let part = tightness(speed_mps);
+    /// The thresholds over the height at a speed, of a vehicle with this [`RolloverDesign::tightest_turn_g`]. If the speed is not
+    /// known (NaN), the smaller threshold of both speeds applies.
+    pub fn at_speed(&self, speed_mps: T, tightest_turn_g: T) -> [T; HEIGHTS] {
+        self.in_turns(&Turns::at(speed_mps), tightest_turn_g)
+    }
+
+    pub(super) fn in_turns(&self, turns: &Turns<T>, tightest_turn_g: T) -> [T; HEIGHTS] {
+        let most_g = tightest_turn_g * turns.of_tightest;
         let [mut at, fast_g] = self.threshold_g;
         for (at_g, fast_g) in at.iter_mut().zip(fast_g) {
-            *at_g =
-                if speed_mps.present() { between(fast_g, *at_g, part) } else { at_g.min(fast_g) };
+            *at_g = if turns.are_known {
+                between(fast_g, *at_g, turns.tightness).min(most_g)
+            } else {
+                at_g.min(fast_g)
+            };
         }
         at
     }
 }
 
-/// How tight turns at a speed are, by the squared curvature at the same lateral acceleration: one at 30 km/h, zero at
-/// 90 km/h and, as no turn tips the trailer then, at rest. If the speed is not known (NaN), they count as those at 30 km/h.
-pub(super) fn tightness<T: Real>(speed_mps: T) -> T {
-    let [slow, fast] = TURN_MPS.map(T::of);
-    let square = |x: T| x * x;
-    let fourth = |mps: T| square(square(mps));
-    let slowest = T::of(SLOWEST_MPS);
-    let held = if speed_mps.present() { speed_mps.max(slowest).min(fast) } else { slow };
-    let curvature_2 = |mps: T| T::one() / fourth(mps);
-    let tight = (curvature_2(held) - curvature_2(fast)) / (curvature_2(slow) - curvature_2(fast));
-    if speed_mps < slowest { tight * fourth(speed_mps / slowest) } else { tight }
+/// What turns at a speed are. If the speed is not known (NaN), they count as those at 40 km/h.
+pub(super) struct Turns<T> {
+    are_known: bool,
+    /// How tight they are, by the squared curvature at the same lateral acceleration: one at 40 km/h, zero at 90 km/h and, as
+    /// no turn tips the trailer then, at rest.
+    pub(super) tightness: T,
+    /// The greatest lateral acceleration that they may have over that at [`TIGHTEST_MPS`]; without a limit at rest.
+    of_tightest: T,
+}
+
+impl<T: Real> Turns<T> {
+    pub(super) fn at(speed_mps: T) -> Self {
+        let [slow, fast] = TURN_MPS.map(T::of);
+        let slowest = T::of(SLOWEST_MPS);
+        let are_known = speed_mps.present();
+        let held = if are_known { speed_mps.max(slowest).min(fast) } else { slow };
+        let matters =
+            if speed_mps < slowest { square(square(speed_mps / slowest)) } else { T::one() };
+        let of_tightest = square(held / T::of(TIGHTEST_MPS)) / matters;
+        let [here, slow, fast] = [held, slow, fast].map(|mps| T::one() / square(square(mps)));
+        Self { are_known, tightness: (here - fast) / (slow - fast) * matters, of_tightest }
+    }
+}
+
+fn square<T: Real>(x: T) -> T {
+    x * x
 }
 
 /// Interpolates between two thresholds; the reciprocal is linear in `part`.
@@ -116,6 +140,9 @@ pub struct RolloverDesign<T> {
     /// Standard deviation of the distance of a payload's c.g. from the middle of the trailer, to the left or to the
     /// right.
     pub payload_beside_sd_m: T,
+    /// Greatest lateral acceleration that the trailer has in any steady turn at 30 km/h ([`TIGHTEST_MPS`]), in g: beyond it, a
+    /// tighter turn articulates the trailer so far that it accelerates it less. It grows with the square of the speed.
+    pub tightest_turn_g: T,
 }
 
 /// Rollover measures at one height, mass and speed.
@@ -178,6 +205,7 @@ mod tests {
             unsprung_mass_kg: 0.0,
             unsprung_height_m: 0.5,
             payload_beside_sd_m: 0.0,
+            tightest_turn_g: 0.4,
         };
         #[allow(clippy::cast_precision_loss)]
         let threshold_g = core::array::from_fn(|k| 1.0 / (1.0 + 2.0 * k as f64 / 7.0));
@@ -206,24 +234,24 @@ mod tests {
         let (design, line) = rigid();
         let light = ThresholdLine { threshold_g: [line; 2] };
         let heavy = ThresholdLine { threshold_g: [line.map(|g| 0.8 * g); 2] };
-        let between = light.blend(&heavy, 0.25).at_speed(FAST_MPS);
+        let between = light.blend(&heavy, 0.25).at_speed(FAST_MPS, 9.0);
         let measures = design.at(Measured::exact(2.0), 30e3, &between, [1.0, 3.0]);
         assert!((measures.static_rollover_threshold_g.value - 0.95 / 2.0).abs() < 1e-12);
     }
 
-    /// 0.4 g at 30 km/h and 0.5 g at 90 km/h. Halfway between them in `1/U⁴` it is 1/(1.25 + 1) of
+    /// 0.4 g at 40 km/h and 0.5 g at 90 km/h. Halfway between them in `1/U⁴` it is 1/(1.25 + 1) of
     /// a g.
     #[test]
     fn a_tighter_turn_tips_at_less() {
         let line = ThresholdLine { threshold_g: [[0.4; HEIGHTS], [0.5; HEIGHTS]] };
         let middle_mps = (0.5 / TURN_MPS[0].powi(4) + 0.5 / TURN_MPS[1].powi(4)).powf(-0.25);
-        // At 25 km/h `1/U⁴` is 1.2⁴ times that at 30 km/h, and 1/3⁴ of the latter at 90 km/h: 1/g is 2 + 0.5 · 2.0868….
-        let fast_4 = 3.0_f64.powi(-4);
-        let slowest_g = 1.0 / (2.0 + 0.5 * (1.2_f64.powi(4) - fast_4) / (1.0 - fast_4));
+        // At 25 km/h `1/U⁴` is 1.6⁴ times that at 40 km/h, and (4/9)⁴ of the latter at 90 km/h: 1/g is 2 + 0.5 · 6.779….
+        let fast_4 = (4.0_f64 / 9.0).powi(4);
+        let slowest_g = 1.0 / (2.0 + 0.5 * (1.6_f64.powi(4) - fast_4) / (1.0 - fast_4));
         let known = [
             (0.0, 0.5),
             (25.0 / 3.6, slowest_g),
-            (30.0 / 3.6, 0.4),
+            (40.0 / 3.6, 0.4),
             (middle_mps, 1.0 / 2.25),
             (25.0, 0.5),
         ];
@@ -231,12 +259,35 @@ mod tests {
         let slower_g = 1.0 / (2.0 + (1.0 / slowest_g - 2.0) / 16.0);
         let known = known.into_iter().chain([(12.5 / 3.6, slower_g)]);
         for (speed_mps, g) in known.into_iter().chain([(40.0, 0.5), (f64::NAN, 0.4)]) {
-            for found in line.at_speed(speed_mps) {
+            for found in line.at_speed(speed_mps, 9.0) {
                 assert!((found - g).abs() < 1e-12, "{speed_mps}: {found}");
             }
         }
         let turned = ThresholdLine { threshold_g: [[0.5; HEIGHTS], [0.4; HEIGHTS]] };
-        assert!(turned.at_speed(f64::NAN).iter().all(|g| (g - 0.4).abs() < 1e-15));
+        assert!(turned.at_speed(f64::NAN, 9.0).iter().all(|g| (g - 0.4).abs() < 1e-15));
+    }
+
+    /// The tightest turn at 30 km/h has 0.2 g, that at 45 km/h 2.25 times as much, which is less than its threshold, and that at
+    /// 60 km/h more. Below 25 km/h it matters less: at 20 km/h the limit is that at 25 over 0.8⁴, and at 15 km/h
+    /// above the threshold.
+    #[test]
+    fn no_threshold_is_above_the_tightest_turn() {
+        let line = ThresholdLine { threshold_g: [[0.5; HEIGHTS]; 2] };
+        let at_25_g = 0.2 / 1.44;
+        let at_20_g = at_25_g / 0.8_f64.powi(4);
+        for (kmh, g) in [
+            (0.0_f64, 0.5),
+            (15.0, 0.5),
+            (20.0, at_20_g),
+            (25.0, at_25_g),
+            (30.0, 0.2),
+            (45.0, 0.45),
+            (60.0, 0.5),
+        ] {
+            for found in line.at_speed(kmh / 3.6, 0.2) {
+                assert!((found - g).abs() < 1e-12, "{kmh} km/h: {found}");
+            }
+        }
     }
 
     /// 27 t at 2 m and axles of 3 t at 0.5 m give 30 t at 1.85 m.

@@ -4,14 +4,15 @@ use crate::math::real::Real;
 use crate::truck::axis::locate;
 use crate::truck::design::Design;
 use crate::truck::ratio::Measured;
-use crate::truck::rollover::{Rollover, tightness};
+use crate::truck::rollover::{Rollover, Turns};
 
 /// Relative standard deviation of the difference between the thresholds of a design and those of the nonlinear vehicle
 /// (docs/plant.md has a table: from -3.3 to +1.6 % for payloads of the reference and above), and how much greater it is for each
 /// g above half a g. Low loads and empty trailers are near the limit of their tires there, and off by up to 20 %.
 const MODEL_SD: (f64, f64) = (0.015, 0.3);
-/// The same of turns at 30 km/h; that of faster ones is smaller as they are wider.
-const TIGHT_SD: f64 = 0.03;
+/// The same of turns at 40 km/h; that of slower ones is greater as they are tighter, by their squared curvature (2 % more at 30
+/// km/h, 4 % at 25).
+const TIGHT_SD: f64 = 0.006;
 
 impl<T: Real, const C: usize> Design<T, C> {
     /// The rollover measures at a height of the sprung c.g., a trailer mass and a speed. If the
@@ -28,13 +29,14 @@ impl<T: Real, const C: usize> Design<T, C> {
     ) -> Option<Rollover<T>> {
         let (j, share) = locate(&self.trailer_mass_kg, trailer_mass_kg)?;
         let line = self.thresholds.get(j)?.blend(self.thresholds.get(j + 1)?, share);
+        let turns = Turns::at(speed_mps);
+        let threshold_g = line.in_turns(&turns, self.rollover.tightest_turn_g);
         let span_m = [self.least_height_m, self.greatest_height_m];
-        let mut found =
-            self.rollover.at(height, trailer_mass_kg, &line.at_speed(speed_mps), span_m);
+        let mut found = self.rollover.at(height, trailer_mass_kg, &threshold_g, span_m);
         let beside_g = self.earlier_g(&found, trailer_mass_kg, self.rollover.payload_beside_sd_m);
         let Measured { value, sd } = found.static_rollover_threshold_g;
         let near_sliding_g = (value - T::of(0.5)).max(T::zero());
-        let by_turn = T::of(TIGHT_SD) * tightness(speed_mps);
+        let by_turn = T::of(TIGHT_SD) * turns.tightness;
         let by_model_g = (T::of(MODEL_SD.0) + T::of(MODEL_SD.1) * near_sliding_g + by_turn) * value;
         found.static_rollover_threshold_g.sd =
             (sd * sd + by_model_g * by_model_g + beside_g * beside_g).sqrt();

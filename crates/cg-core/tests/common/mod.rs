@@ -160,6 +160,7 @@ pub(crate) fn design_with<const C: usize>(channels: [Channel; C]) -> Design<f64,
             unsprung_mass_kg: 1.36e3,
             unsprung_height_m: 0.508,
             payload_beside_sd_m: 0.05,
+            tightest_turn_g: 0.4,
         },
         thresholds: [ThresholdLine {
             threshold_g: [[0.6, 0.53, 0.47, 0.41, 0.36, 0.32, 0.29, 0.26]; 2],

@@ -193,7 +193,7 @@ fn statics(subject: &Subject<'_>, all: &mut RolloverMeasures) -> Result<(), Vehi
         Some(on_board.static_rollover_threshold_g.value),
         format!(
             "The same as the on-board estimator computes it from the height and {:.0} km/h, from \
-             steady turns at 30 and 90 km/h.",
+             steady turns at 40 and 90 km/h and from the tightest turn.",
             3.6 * speed_mps
         ),
     );

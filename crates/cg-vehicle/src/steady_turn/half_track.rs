@@ -1,8 +1,10 @@
-//! Parameters of the static stability factor of a rigid trailer: half track and unsprung mass; and how far loads
-//! may stand beside the middle.
+//! Parameters of the static stability factor of a rigid trailer: half track and unsprung mass; how far loads may stand
+//! beside the middle; and the tightest turn.
 
 use cg_core::RolloverDesign;
+use cg_core::truck::rollover::TIGHTEST_MPS;
 
+use super::roll_plane::RollPlane;
 use crate::balance::static_balance;
 use crate::error::VehicleError;
 use crate::load::Load;
@@ -38,7 +40,10 @@ pub(crate) fn rollover(vehicle: &Vehicle, load: Load) -> Result<RolloverDesign<f
             center += placed.axle.unsprung_mass_kg * placed.axle.center_height_m;
         }
     }
+    let vehicle = &*vehicle.with_springs_at(load)?;
+    let tightest_turn_g = RollPlane::new(vehicle, load, TIGHTEST_MPS, 1.0)?.tightest_turn_g();
     Ok(RolloverDesign {
+        tightest_turn_g,
         half_track_m: moment / force_n,
         unsprung_mass_kg: unsprung,
         unsprung_height_m: center / unsprung,

@@ -32,7 +32,7 @@ pub(crate) fn thresholds_g<const N: usize>(
 
 /// The static stability factor and the threshold of a load in a steady turn at a speed, as the
 /// estimator on board computes them for a known height. They are based on the vehicle file without
-/// calibration, and the threshold follows from those at 30 and 90 km/h.
+/// calibration, and the threshold follows from those at 40 and 90 km/h.
 ///
 /// # Errors
 /// [`VehicleError`] if the load is impossible.
@@ -47,7 +47,8 @@ pub fn on_board(
     let line = ThresholdLine { threshold_g: found_g.map(|[threshold_g]| [threshold_g; HEIGHTS]) };
     let height = Measured::exact(load.cg_height_m);
     let span_m = [vehicle.height.least_m, vehicle.height.greatest_m];
-    Ok(design.at(height, load.trailer_mass_kg, &line.at_speed(speed_mps), span_m))
+    let threshold_g = line.at_speed(speed_mps, design.tightest_turn_g);
+    Ok(design.at(height, load.trailer_mass_kg, &threshold_g, span_m))
 }
 
 /// The rollover threshold: the greatest lateral acceleration of the trailer, in g, that the vehicle

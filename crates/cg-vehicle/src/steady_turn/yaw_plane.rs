@@ -175,10 +175,11 @@ impl Turn {
     fn sides_once(&self, alpha: f64, standing: &[Standing], drift: &mut Drift) -> Option<Sides> {
         let (sin, cos) = libm::sincos(drift.articulation_rad);
         let acceleration = alpha * self.gravity_mps2;
-        // `U2 = U cos γ − (v1 − r x5) sin γ`.
+        // `r U2` is the acceleration, and `U2 = U cos γ − (v1 − r x5) sin γ`.
         let along_mps = self.speed_mps * cos - drift.tractor_mps * sin;
         let hitch_m = self.hitch_behind_cg_m;
-        let radps = acceleration / (along_mps + acceleration / along_mps * hitch_m * sin);
+        let root_mps = (along_mps * along_mps + 4.0 * acceleration * hitch_m * sin).sqrt();
+        let radps = 2.0 * acceleration / (along_mps + root_mps);
         let pace = Pace { acceleration, radps, trailer_mps: acceleration / radps };
         let mut axle_n = vec![0.0; self.axles.len()];
         let hitch_n = self.trailer(&pace, standing, drift, &mut axle_n)?;
