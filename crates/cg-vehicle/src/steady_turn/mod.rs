@@ -7,7 +7,7 @@
 //! | `yaw_plane` | lateral forces in the turn and the articulation | steady yaw plane |
 //! | `support` | springs and tires in the roll plane | vehicle file |
 //! | `frame` | the front half of a trailer whose frame twists | [`twisting`](crate::twisting) |
-//! | `half_track` | half track and unsprung mass for the static stability factor | vehicle file |
+//! | `half_track` | half track and unsprung mass for the static stability factor, the tightest turn | vehicle file, yaw plane |
 //! | `at_rest` | side-pull and tilt-table ratio | the same balance without a curve |
 //! | `on_board` | threshold at a speed; static stability factor and threshold as on board | `cg_core::truck::rollover` |
 //!
@@ -25,12 +25,12 @@
 //! # Ok::<(), cg_vehicle::VehicleError>(())
 //! ```
 
-mod half_track;
 mod support;
 mod yaw_plane;
 mod frame;
 mod roll_plane;
 mod path;
+mod half_track;
 mod at_rest;
 mod on_board;
 
