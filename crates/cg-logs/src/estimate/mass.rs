@@ -1,6 +1,6 @@
 //! Trailer mass and speed in the turns of a log: what gave the height, and not what the log ends with.
 
-use cg_core::{Maneuver, Word};
+use cg_core::{Maneuver, Quantity, Word};
 use cg_vehicle::scales::Scale;
 
 use super::intake::LogEstimator;
@@ -82,13 +82,7 @@ impl LogEstimator {
             }
         };
         let mut messages = Vec::new();
-        if !self.is_speed_known() {
-            messages.push(format!(
-                "{}: {:.2} m/s from the vehicle file is used; give ⟨speed_mps⟩",
-                when("speed", self.seen.speed_since_us.is_some()),
-                self.design.nominal_speed_mps
-            ));
-        }
+        messages.extend(self.unknown_speeds(&when("speed", self.seen.speed_since_us.is_some())));
         if !self.is_mass_known() {
             messages.push(format!(
                 "{}: {:.0} kg from the vehicle file is used, and the interval contains any load; give \
@@ -102,6 +96,42 @@ impl LogEstimator {
         messages.extend(self.reloaded());
         messages.extend(self.weighed());
         messages
+    }
+
+    /// That the speed is not known, in all turns or in some.
+    fn unknown_speeds(&self, when: &str) -> Option<String> {
+        let since_us = self.seen.speed_since_us;
+        if since_us.is_none() && self.rows == self.absent_rows {
+            return Some(format!(
+                "{when}: a steer angle or a yaw rate on a bus is only used with a speed on the bus"
+            ));
+        }
+        if self.options.speed_mps.is_some() {
+            return None;
+        }
+        if let Some((rows, first_us)) = self.seen.speed_age.gaps(self.rows) {
+            return Some(format!(
+                "{rows} of {} rows, the first at {:.0} s, have no speed, nor have the {} ms before them: their steer angles and \
+                 yaw rates are not used",
+                self.rows,
+                self.time_s(first_us),
+                Quantity::Speed.serves_us() / 1000
+            ));
+        }
+        let used = format!(
+            "{:.2} m/s from the vehicle file is used; give ⟨speed_mps⟩",
+            self.design.nominal_speed_mps
+        );
+        if !self.is_speed_known() {
+            return Some(format!("{when}: {used}"));
+        }
+        let since_us = since_us?;
+        self.maneuvers.iter().any(|one| one.end_us < since_us).then(|| {
+            format!(
+                "the speed in the log begins at {:.0} s: in turns before it {used}",
+                self.time_s(since_us)
+            )
+        })
     }
 
     /// That the trailer has another mass since the last turn.

@@ -74,6 +74,7 @@ mod road;
 mod reason;
 mod unheard;
 mod means;
+mod speed_age;
 mod row_sample;
 mod kept;
 mod intake;

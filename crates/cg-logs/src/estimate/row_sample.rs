@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 use super::felt::add_force;
 use super::known::weighed_mass;
 use super::options::EstimateOptions;
+use super::speed_age::SpeedAge;
 use super::tilts::Tilts;
 use super::weighed::Weighed;
 use crate::log::{LogRow, Signal};
@@ -16,6 +17,7 @@ use cg_vehicle::scales::Scale;
 pub(super) struct SignalsSeen {
     /// When the first speed came, µs.
     pub(super) speed_since_us: Option<u64>,
+    pub(super) speed_age: SpeedAge,
     /// The last mass in the log, also if an option replaces it.
     pub(super) mass_kg: Option<f64>,
     /// The last standard deviation in the log, kg.
@@ -67,6 +69,7 @@ impl SignalsSeen {
         if let Some(speed_mps) = options.speed_mps {
             sample.speed_mps = speed_mps;
         }
+        self.speed_age.push(&mut sample);
         add_force(&mut sample, design.gravity_mps2);
         if let Some(mass_kg) = options.trailer_mass_kg {
             sample.trailer_mass_kg = mass_kg;

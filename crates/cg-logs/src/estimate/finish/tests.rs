@@ -1,8 +1,9 @@
-use cg_core::{CHANNELS, HeightError, Sample};
+use cg_core::{AlignSettings, CHANNELS, HeightError, Sample};
 
 use super::*;
 use crate::estimate::options::EstimateOptions;
 use crate::estimate::trial::{MASS_KG, SPEED_MPS, design, fit, log};
+use crate::log::LogRow;
 
 type Found = Result<Measured<f64>, Reject<f64>>;
 
@@ -297,4 +298,61 @@ fn a_mass_from_the_log_or_the_options_is_known() {
     assert!(!known(EstimateOptions::default(), false));
     assert!(known(EstimateOptions::default(), true));
     assert!(known(quiet(), false));
+}
+
+/// What is said of the speed.
+fn of_speed(log: &LogEstimator) -> Vec<String> {
+    log.turns_messages().into_iter().filter(|text| text.contains("speed")).collect()
+}
+
+/// 100 s, of which the first ten have a speed, which holds for 2.5 s more: 874 rows of 1000 have none.
+#[test]
+fn rows_whose_speed_is_too_old_are_told() {
+    let rows = |steer_rad: f64, speed_s: f64| {
+        let mut log =
+            LogEstimator::from_design(&design(), AlignSettings::NONE, EstimateOptions::default());
+        for k in 0..1000 {
+            let time_s = 0.1 * f64::from(k);
+            let speed_mps = if time_s < speed_s { SPEED_MPS } else { f64::NAN };
+            let row = LogRow { time_s, steer_rad, roll_rad: 0.01, speed_mps, ..LogRow::ABSENT };
+            log.push(&row).unwrap();
+        }
+        log.end();
+        log
+    };
+    let log = rows(0.01, 10.05);
+    assert_eq!(log.absent_rows, 874);
+    let told = of_speed(&log);
+    let begin =
+        "874 of 1000 rows, the first at 13 s, have no speed, nor have the 2500 ms before them: ";
+    assert!(told.len() == 1 && told[0].starts_with(begin), "{told:?}");
+    assert_eq!(of_speed(&rows(0.01, 200.0)), Vec::<String>::new());
+    // On a bus a steer angle without a speed is absent.
+    let told = of_speed(&rows(f64::NAN, -1.0));
+    assert!(
+        told.len() == 1 && told[0].contains("is only used with a speed on the bus"),
+        "{told:?}"
+    );
+    let told = of_speed(&rows(0.01, -1.0));
+    assert!(told.len() == 1 && told[0].contains("from the vehicle file is used"), "{told:?}");
+}
+
+/// The second of two turns has a speed.
+#[test]
+fn turns_before_the_first_speed_are_told() {
+    let mut log = log(EstimateOptions::default(), &[[height(2.0, 0.02), ABSENT]; 2]);
+    let first_us = log.maneuvers[0].end_us;
+    log.maneuvers[1].end_us += 50_000_000;
+    log.rows = 1;
+    for (since_us, is_told) in [(first_us, false), (first_us + 1, true)] {
+        log.seen.speed_since_us = Some(since_us);
+        let told = of_speed(&log);
+        assert_eq!(
+            told.iter().any(|text| text.contains("in turns before it")),
+            is_told,
+            "{told:?}"
+        );
+    }
+    log.options.speed_mps = Some(SPEED_MPS);
+    assert_eq!(of_speed(&log), Vec::<String>::new());
 }
