@@ -236,6 +236,15 @@ impl<T: Real, const C: usize> Design<T, C> {
                 }
             }
         }
+        self.validate_rollover()?;
+        positive(self.nominal_speed_mps, "nominal_speed_mps")?;
+        positive(self.nominal_trailer_mass_kg, "nominal_trailer_mass_kg")?;
+        positive(self.trailer_wheelbase_m, "trailer_wheelbase_m")?;
+        positive(self.gravity_mps2, "gravity_mps2")
+    }
+
+    /// The part of [`validate`](Self::validate) for the rollover threshold.
+    fn validate_rollover(&self) -> Result<(), DesignError> {
         positive(self.rollover.half_track_m, "rollover half_track_m")?;
         positive(self.rollover.unsprung_mass_kg, "rollover unsprung_mass_kg")?;
         positive(self.rollover.unsprung_height_m, "rollover unsprung_height_m")?;
@@ -252,10 +261,7 @@ impl<T: Real, const C: usize> Design<T, C> {
         for threshold_g in self.thresholds.iter().flat_map(|line| line.threshold_g).flatten() {
             positive(threshold_g, "rollover threshold")?;
         }
-        positive(self.nominal_speed_mps, "nominal_speed_mps")?;
-        positive(self.nominal_trailer_mass_kg, "nominal_trailer_mass_kg")?;
-        positive(self.trailer_wheelbase_m, "trailer_wheelbase_m")?;
-        positive(self.gravity_mps2, "gravity_mps2")
+        Ok(())
     }
 
     /// The channel at a place in [`channels`](Self::channels).
