@@ -35,13 +35,13 @@ impl SpeedAge {
             sample.tractor_lateral_specific_force_mps2,
         ];
         let has_other = others.iter().any(|value| value.is_finite());
-        let needing = [&mut sample.steer_rad, &mut sample.yaw_rate_radps];
+        let needing = [sample.steer_rad, sample.yaw_rate_radps];
         // On a bus they are absent already.
         if !has_other || needing.iter().any(|value| value.is_finite()) {
             self.rows += 1;
             self.first_us.get_or_insert(sample.time_us);
         }
-        needing.into_iter().for_each(|value| *value = f64::NAN);
+        (sample.steer_rad, sample.yaw_rate_radps) = (f64::NAN, f64::NAN);
     }
 
     /// The number of rows without a speed and the time of the first, µs, if it is a hundredth of all rows.
