@@ -51,6 +51,7 @@ mod signals;
 mod agreement;
 mod rolls;
 mod levels;
+mod pressures;
 mod near_zero;
 mod range_end;
 mod values;

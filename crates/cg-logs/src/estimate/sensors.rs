@@ -7,6 +7,7 @@ use super::agreement::AgreementCheck;
 use super::forces::ForceCheck;
 use super::levels::LevelCheck;
 use super::options::RoadChoice;
+use super::pressures::PressureCheck;
 use super::seldom::SeldomCheck;
 use super::signals::SignalCheck;
 use super::values::ValueCheck;
@@ -22,6 +23,8 @@ pub struct SensorCheck {
     was_wrong: bool,
     forces: ForceCheck,
     levels: LevelCheck,
+    #[serde(default)]
+    pressures: PressureCheck,
     values: ValueCheck,
     #[serde(default)]
     seldom: SeldomCheck,
@@ -71,9 +74,10 @@ impl SensorCheck {
         if at_present { of_now.or(of_all) } else { of_all.or(of_now) }
     }
 
-    /// Takes the levels at one time, m; NaN without a value.
-    pub fn level(&mut self, level_m: impl Fn(Quantity) -> f64) {
-        self.levels.push(level_m);
+    /// Takes the levels and pressures at one time, SI units; NaN without a value.
+    pub fn level(&mut self, value: impl Fn(Quantity) -> f64) {
+        self.pressures.push(&value);
+        self.levels.push(value);
     }
 
     /// Ends a maneuver; `true` if it is the first of another load, with which the suspension rolls otherwise.
@@ -105,9 +109,11 @@ impl SensorCheck {
         self.values.missing().or_else(|| self.values.cut_off())
     }
 
-    /// The signal that is sampled too seldom, that has a dead band, or whose steps are as large as its motion.
+    /// The signal that is sampled too seldom, that has a dead band, or whose steps are as large as its motion, or pressures that
+    /// do not belong together.
     pub fn coarse(&self) -> Option<String> {
-        self.seldom.message().or_else(|| self.values.dead()).or_else(|| self.values.coarse())
+        let of_values = || self.values.dead().or_else(|| self.values.coarse());
+        self.seldom.message().or_else(|| self.pressures.message()).or_else(of_values)
     }
 
     /// The same, once.
