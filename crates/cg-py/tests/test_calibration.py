@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import subprocess
+import tomllib
 
 import pytest
 
@@ -231,3 +232,48 @@ def test_a_mass_that_gives_no_ratio_is_named(kraz, tmp_path):
     assert reason.count("45000") == 1
     assert "speed" not in reason
     assert "the log has 28684 kg" in contradiction
+
+
+def test_tires_that_soften_after_a_calibration_need_a_greater_residual_sd(tmp_path):
+    """A tenth less vertical stiffness is about a tenth less pressure (docs/limits.md)."""
+
+    def step(truck, payload_kg=0.0, **scenario):
+        return cgheight.simulate(
+            truck,
+            cgheight.Scenario(
+                "rounded-step",
+                plant="nonlinear",
+                payload_kg=payload_kg,
+                duration_s=20.0,
+                rate_hz=50.0,
+                sensors=cgheight.Sensors(snr_db=30),
+                **scenario,
+            ),
+        )
+
+    def missed(truck, softer):
+        empty, laden = step(truck, seed=1), step(truck, 18e3, height_m=1.9, seed=2)
+        runs = [(empty.signals, "empty"), (laden.signals, 1.9, laden.truth["trailer_mass_kg"])]
+        path = tmp_path / "calibration.toml"
+        mended = cgheight.calibrate(truck, runs, path, force=True).on_road("flat")
+        found = []
+        for seed, (payload_kg, height_m) in enumerate([(8e3, 1.7), (14e3, 2.0), (22e3, 2.1)]):
+            log = step(softer, payload_kg, height_m=height_m, seed=3 + seed)
+            answer = cgheight.estimate_log(log.signals, vehicle=mended)
+            least_m, greatest_m = answer.height_ci95_m
+            found.append(not least_m <= height_m <= greatest_m)
+        return sum(found)
+
+    counts = {0.01: 0, 0.03: 0}
+    for name in ("kraz", "euro", "air"):
+        truck = cgheight.Vehicle.load(FIXTURES / "vehicles" / f"{name}.toml")
+        tires = tomllib.loads(truck.toml)["tyre"]
+        key = "vertical_stiffness_n_per_m"
+        softer = truck.with_({f"tyre[{i}].{key}": 0.9 * tire[key] for i, tire in enumerate(tires)})
+        for residual_sd in counts:
+            usual = truck.with_({"uncertainty.residual_sd": residual_sd})
+            counts[residual_sd] += missed(usual, softer)
+    print(counts)
+    # Of nine 95 % intervals more than two miss by chance once in a hundred cases.
+    assert counts[0.01] > 2
+    assert counts[0.03] == 0
