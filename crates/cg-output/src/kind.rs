@@ -24,10 +24,9 @@ pub const FMU_TOOL: &str = "generationTool=\"cg-height ";
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Kind {
-    /// A log: CSV, also compressed with gzip, or candump lines.
+    /// A log: CSV, also compressed with gzip, or candump lines. The latter cannot be distinguished from recorded ones.
     Log,
-    /// CAN frames in the format of another program. They cannot be distinguished from recorded
-    /// frames.
+    /// CAN frames in the format of another program, which cannot be distinguished from recorded ones either.
     Frames,
     /// The truth of a simulated log.
     Truth,
@@ -79,11 +78,9 @@ impl Kind {
     fn is_head_of_ours(self, head: &[u8]) -> bool {
         let starts = |with: &str| head.starts_with(with.as_bytes());
         match self {
-            // The clock of a recorded log does not begin at zero.
             Self::Log => {
                 (starts("# truth ") && holds(head, "\n# truth noise_sd_rad = "))
                     || starts(&format!("# {LOG_COMMENT}\n"))
-                    || starts("(0.000000) can0 ")
             }
             Self::Frames | Self::Vehicle => false,
             Self::Truth => serde_json::from_slice(head).is_ok_and(|truth: Value| {
@@ -173,6 +170,7 @@ mod tests {
         for recorded in [
             "(1436509052.249713) can0 18F0090B#7E7DFF007D807DFF\n",
             "(0000000000.000000) can0 18F0090B#7E7DFF007D807DFF\n",
+            "(0.000000) can0 18F0090B#7E7DFF007D807DFF\n", // as converters write it
             "time_s,steer_rad,roll_rad\n0,0,0\n",
             "# truth is out there\ntime_s,steer_rad,roll_rad\n",
         ] {

@@ -35,9 +35,9 @@ impl Request<'_> {
     fn target(&self) -> PyResult<Target> {
         let name = self.path.to_string_lossy();
         let ends = |ends: &[&str]| ends.iter().any(|end| name.to_lowercase().ends_with(end));
-        let kind = if ends(&[".csv", ".csv.gz", ".log"]) {
+        let kind = if ends(&[".csv", ".csv.gz"]) {
             Kind::Log
-        } else if ends(&[".asc", ".blf", ".mf4", ".trc"]) {
+        } else if ends(&[".asc", ".blf", ".log", ".mf4", ".trc"]) {
             Kind::Frames
         } else {
             return Err(value_error(format!(

@@ -1,6 +1,7 @@
 //! Places and gains of the sensors of a vehicle, and its roads: optional parts of the vehicle file.
 
-use serde::{Deserialize, Serialize};
+use serde::de::Error as _;
+use serde::{Deserialize, Deserializer, Serialize};
 
 /// Places of sensors on tractor and trailer.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, Serialize)]
@@ -186,7 +187,20 @@ fn one() -> f64 {
 #[serde(deny_unknown_fields)]
 pub struct SuspensionPressure {
     /// Gauge pressure (above atmospheric), mean of both sides.
+    #[serde(deserialize_with = "two")]
     pub gauge_pa: [f64; 2],
     /// Load of the axles on the road.
+    #[serde(deserialize_with = "two")]
     pub axle_load_kg: [f64; 2],
+}
+
+/// Two numbers and no more, of which an array would take the first ones.
+fn two<'de, D: Deserializer<'de>>(source: D) -> Result<[f64; 2], D::Error> {
+    let numbers = Vec::<f64>::deserialize(source)?;
+    <[f64; 2]>::try_from(numbers).map_err(|numbers| {
+        D::Error::custom(format!(
+            "{} numbers: a line needs two readings, so give the two that are farthest apart",
+            numbers.len()
+        ))
+    })
 }

@@ -31,6 +31,8 @@ pub(crate) struct StateFile {
     known_crc32: Option<u32>,
     /// The new path of another program's state that was renamed and is not reported yet.
     pub(crate) aside: Option<PathBuf>,
+    /// That of the last one. What the same program writes later replaces it, so that two programs do not fill a disk.
+    last_aside: Option<PathBuf>,
 }
 
 /// What is kept of the present load beside the estimator's memory.
@@ -69,7 +71,7 @@ pub(crate) enum Found {
 
 impl StateFile {
     pub(crate) const fn new(target: Target, owner: Owner) -> Self {
-        Self { target, owner, known_crc32: None, aside: None }
+        Self { target, owner, known_crc32: None, aside: None, last_aside: None }
     }
 
     /// Writes a state; it replaces the previous one of this process.
@@ -111,7 +113,12 @@ impl StateFile {
     fn keep_others(&mut self) -> io::Result<()> {
         let present = self.bytes()?.unwrap_or_default();
         if !present.is_empty() && self.known_crc32 != Some(crc32(&present)) {
-            self.aside = Some(self.put_aside()?);
+            let aside = match self.last_aside.take() {
+                None => self.put_aside()?,
+                Some(aside) => fs::rename(self.itself(), &aside).map(|()| aside)?,
+            };
+            self.last_aside = Some(aside.clone());
+            self.aside = Some(aside);
         }
         Ok(())
     }
@@ -327,6 +334,12 @@ mod tests {
         assert!(aside.ends_with("state.json.aside-1"), "{}", aside.display());
         assert_eq!(fs::read(aside).unwrap(), ours);
         assert_eq!(save(&mut other, 4.5), None);
+        // They go on so for a while.
+        for _ in 0..20 {
+            assert!(save(&mut one, 4.6).is_some() && save(&mut other, 4.7).is_some());
+        }
+        let files = fs::read_dir(folder.path()).unwrap().count();
+        assert_eq!(files, 3, "the state, and one aside of each");
         // A file that somebody has removed is written anew.
         fs::remove_file(one.target.path()).unwrap();
         assert_eq!(save(&mut one, 5.5), None);

@@ -65,6 +65,14 @@ fn readings_of_a_gauge_that_do_not_rise_are_named() {
 }
 
 #[test]
+fn a_third_reading_of_a_gauge_is_refused() {
+    let table =
+        "[trailer.suspension_pressure]\ngauge_pa = [1e5, 3e5, 5e5]\naxle_load_kg = [5e3, 9e3]\n";
+    let to = format!("{table}\n[trailer.payload]");
+    refused("[trailer.payload]", &to, "[1e5", &["3 numbers: a line needs two readings"]);
+}
+
+#[test]
 fn a_negative_mass_is_named_with_its_value() {
     let parts = ["tractor.sprung_mass_kg = -5: must be a positive number"];
     refused("sprung_mass_kg = 5345.646233765785", "sprung_mass_kg = -5", "-5", &parts);

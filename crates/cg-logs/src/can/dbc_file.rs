@@ -1,6 +1,6 @@
 //! Finds mapped signals in a DBC file.
 
-use can_dbc::{ByteOrder, Dbc, MessageId, MultiplexIndicator, ValueType};
+use can_dbc::{ByteOrder, Dbc, MessageId, MultiplexIndicator, SignalExtendedValueType, ValueType};
 
 use super::dbc::{DbcError, Mapped, MappedSignal, SignalMap};
 
@@ -63,7 +63,19 @@ impl MappedSignal {
                            raised one by one need a vehicle file for each position, without lift_m";
             return Err(DbcError::Map { map: map.text.clone(), message: message.to_owned() });
         }
-        maps.iter().map(|map| Self::find(file, &dbc, map)).collect()
+        let found: Vec<Self> =
+            maps.iter().map(|map| Self::find(file, &dbc, map)).collect::<Result<_, _>>()?;
+        let place = |one: &Self| (one.measures, one.identifier, one.extended, one.start_bit);
+        for (k, map) in maps.iter().enumerate() {
+            if found[..k].iter().any(|one| place(one) == place(&found[k])) {
+                let message = format!(
+                    "this signal is given for {} before, too; give one of both",
+                    map.measures
+                );
+                return Err(DbcError::Map { map: map.text.clone(), message });
+            }
+        }
+        Ok(found)
     }
 
     fn find(file: &str, dbc: &Dbc, map: &SignalMap) -> Result<Self, DbcError> {
@@ -74,6 +86,14 @@ impl MappedSignal {
             MultiplexIndicator::Plain | MultiplexIndicator::Multiplexor
         ) {
             return Err(fail("multiplexed signals are not supported".to_owned()));
+        }
+        let kind = dbc.extended_value_type_for_signal(message.id, &signal.name);
+        if kind
+            .is_some_and(|kind| !matches!(kind, SignalExtendedValueType::SignedOrUnsignedInteger))
+        {
+            return Err(fail(
+                "signals in floating point (SIG_VALTYPE_) are not supported".to_owned(),
+            ));
         }
         let (Ok(start_bit), Ok(bits @ 1..=64)) =
             (u16::try_from(signal.start_bit), u8::try_from(signal.size))

@@ -465,6 +465,14 @@ BO_ 291 PLAIN: 8 TILT
         for map in ["roll", "roll=SLOPE.A[deg", "roll=SLOPE.A*0", "roll=SLOPE.A*x", "roll=A.B+"] {
             assert!(map.parse::<SignalMap>().is_err(), "{map}");
         }
+        let twice = ["roll=SLOPE.Angle", "roll=SLOPE.Angle*-1"].map(|map| map.parse().unwrap());
+        let error = MappedSignal::parse("tilt.dbc", DBC, &twice).unwrap_err().to_string();
+        assert!(error.contains("Angle*-1⟩: this signal is given for roll before, too"), "{error}");
+        let number = DBC.lines().find(|line| line.contains(" SLOPE:")).unwrap();
+        let number = number.split(' ').nth(1).unwrap();
+        let float = format!("{DBC}\nSIG_VALTYPE_ {number} Angle : 1;\n");
+        let error = MappedSignal::parse("tilt.dbc", &float, &twice[..1]).unwrap_err().to_string();
+        assert!(error.contains("floating point"), "{error}");
         let broken = MappedSignal::parse("x.dbc", "BO_ what", &[]).unwrap_err().to_string();
         assert!(broken.starts_with("x.dbc: not a DBC file"), "{broken}");
     }

@@ -11,8 +11,10 @@ const LEAST_ROWS: f64 = 100.0;
 /// height 4 % too great, 2.5 standard deviations (docs/limits.md).
 const BESIDE_M: f64 = 0.12;
 const BESIDE_WITH_PLAY_M: f64 = 0.03;
-/// No load stands farther from the middle: half a trailer is 1.2 m wide. A greater lean is an offset of the sensor.
+/// No load stands farther from the middle: half a trailer is 1.2 m wide. A greater lean is an offset of the sensor, which is
+/// told from 0.05 rad on.
 const FARTHEST_M: f64 = 0.6;
+const OFFSET_RAD: f64 = 0.05;
 /// Moment of a load about the middle at which the play of springs makes a height uncertain by all of itself, which grows
 /// with the square of the moment. On the nonlinear plant with leaf springs, heights of 20 t are at most 4 % too great at
 /// 0.13 m, 28 % at 0.2 m and 53 % at 0.3 m, within 1.8 standard deviations (test `payload_place` of cg-plant).
@@ -107,6 +109,21 @@ impl Leaning {
         (leans && beside_m <= FARTHEST_M).then_some((found, beside_m))
     }
 
+    /// What is said of an angle that no load makes.
+    fn offset(&self, lean: Lean, trailer_mass_kg: f64) -> Option<String> {
+        let Beside { angle: (angle_rad, name), moment_kgm, .. } =
+            self.beside(lean, trailer_mass_kg)?;
+        let payload_kg = (trailer_mass_kg - lean.empty_kg).max(0.0);
+        let is_offset = angle_rad.abs() > OFFSET_RAD && moment_kgm.abs() > FARTHEST_M * payload_kg;
+        is_offset.then(|| {
+            format!(
+                "in straight driving the {name} is {:.1} degrees, which no load makes: its sensor is mounted askew, or it is \
+                 another signal",
+                angle_rad.to_degrees()
+            )
+        })
+    }
+
     /// How far, m, the load stands beside the middle if the sensor has no offset, of a vehicle with this [`Lean`]; `None` if it
     /// is near the middle.
     pub fn beside_m(&self, lean: Option<Lean>, trailer_mass_kg: f64) -> Option<f64> {
@@ -124,8 +141,11 @@ impl Leaning {
 
     /// What is said of a lean, of a vehicle with this [`Lean`].
     pub fn message(&self, lean: Option<Lean>, trailer_mass_kg: f64) -> Option<String> {
-        let (Beside { moment_kgm, angle: (angle_rad, name), .. }, beside_m) =
-            self.harmful(lean, trailer_mass_kg)?;
+        let Some((Beside { moment_kgm, angle: (angle_rad, name), .. }, beside_m)) =
+            self.harmful(lean, trailer_mass_kg)
+        else {
+            return self.offset(lean?, trailer_mass_kg);
+        };
         let [heavy, away] = if moment_kgm > 0.0 { ["right", "left"] } else { ["left", "right"] };
         let because = match lean?.play {
             Play::None => format!("In the second case the truck tips over in turns to the {away}"),
@@ -222,5 +242,10 @@ mod tests {
         assert!((sd(0.03) - 0.09).abs() < 1e-9 && (sd(-0.03) - 0.09).abs() < 1e-9);
         assert!(sd(0.022) < 1e-12 && straight(99, 0.03).height_sd(truck(), 27e3) < 1e-12);
         assert!(found(0.03, 12.1e3).is_some() && found(0.03, 11.9e3).is_none());
+        // 0.13 rad are 0.65 m of 20 t, and 0.049 rad are 1 m of 4.9 t.
+        assert!(found(0.11, 27e3).unwrap().contains("load stands"));
+        assert!(found(-0.13, 27e3).unwrap().contains("-7.4 degrees, which no load makes"));
+        assert!(found(0.049, 11.9e3).is_none() && found(0.051, 11.9e3).is_some());
+        assert!(sd(0.13) < 1e-12);
     }
 }

@@ -139,9 +139,8 @@ def write_log(
         contain no steering angle unless the log has the steering-wheel angle.
     force : bool
         Whether `path` may replace a file that this package did not write. `log` itself and the
-        vehicle file are never replaced. Existing files in ``.asc``, ``.blf``, ``.mf4`` or ``.trc``,
-        and in ``.log`` that does not begin at time 0, cannot be distinguished from recordings and
-        are replaced only with `force`.
+        vehicle file are never replaced. Existing files in ``.asc``, ``.blf``, ``.log``, ``.mf4`` or
+        ``.trc`` cannot be distinguished from recordings and are replaced only with `force`.
 
     Raises
     ------
