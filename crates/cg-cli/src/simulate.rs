@@ -109,7 +109,8 @@ pub(crate) fn run(arguments: &SimulateArgs, files: Files) -> anyhow::Result<Outc
         path if path.as_os_str() == "-" => None,
         path => {
             check_name(path)?;
-            Some(files.writes("--output", path, Kind::Log)?)
+            let kind = if is_candump(path) { Kind::Frames } else { Kind::Log };
+            Some(files.writes("--output", path, kind)?)
         }
     };
     let truth_target =

@@ -142,7 +142,7 @@ fn the_height_is_that_of_the_drive() {
 
     // CAN frames: each signal has its own time stamps and is rounded to its resolution.
     let log = folder.path().join("drive.log");
-    let target = files.writes("--output", &log, Kind::Log).unwrap();
+    let target = files.writes("--output", &log, Kind::Frames).unwrap();
     let mut writer = CandumpWriter::create(&target, STEERING_RATIO).unwrap();
     for row in &rows {
         writer.write_row(row).unwrap();

@@ -24,9 +24,10 @@ pub const FMU_TOOL: &str = "generationTool=\"cg-height ";
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Kind {
-    /// A log: CSV, also compressed with gzip, or candump lines. The latter cannot be distinguished from recorded ones.
+    /// A log: CSV, also compressed with gzip.
     Log,
-    /// CAN frames in the format of another program, which cannot be distinguished from recorded ones either.
+    /// CAN frames in any format. They cannot be distinguished from recorded ones, so they are never taken for an output that may be
+    /// replaced.
     Frames,
     /// The truth of a simulated log.
     Truth,

@@ -66,7 +66,9 @@ impl Target {
         }
         if !self.force && about.len() > 0 && !self.kind.is_ours(&self.path) {
             return Err(match self.kind {
-                Kind::Vehicle => OutputError::Exists { path: path(), output: output() },
+                Kind::Vehicle | Kind::Frames => {
+                    OutputError::Exists { path: path(), output: output() }
+                }
                 kind => OutputError::Foreign { path: path(), kind, output: output() },
             });
         }

@@ -34,7 +34,7 @@ fn written(vehicle: &Vehicle, scenario: Scenario) -> (Vec<LogRow>, Vec<LogRow>) 
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("log.csv");
     let simulation = LogSimulation::new(vehicle, scenario).unwrap();
-    let target = Files::new(false).writes("path", &path, Kind::Log).unwrap();
+    let target = Files::new(false).writes("path", &path, Kind::Frames).unwrap();
     let mut writer = LogWriter::create(&target, &[], &scenario.sensors.columns()).unwrap();
     simulation.run(|row| writer.write_row(row)).unwrap();
     writer.finish().unwrap();

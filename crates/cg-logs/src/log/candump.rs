@@ -201,7 +201,7 @@ mod tests {
     use cg_output::{Files, Kind};
 
     fn writer(path: &std::path::Path) -> CandumpWriter {
-        let target = Files::new(false).writes("path", path, Kind::Log).unwrap();
+        let target = Files::new(false).writes("path", path, Kind::Frames).unwrap();
         CandumpWriter::create(&target, 20.0).unwrap()
     }
 
