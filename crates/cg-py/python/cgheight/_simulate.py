@@ -183,8 +183,8 @@ def simulate(
     output : str or os.PathLike, optional
         Path to which the log is also written, as by `write_log`.
     force : bool
-        Whether `output` may replace a file that this package did not write. The vehicle file and
-        the file of a road are never replaced.
+        Whether `output` may replace a file that this package did not write, or one of CAN frames,
+        which look like recorded ones. The vehicle file and the file of a road are never replaced.
 
     Returns
     -------
