@@ -130,8 +130,9 @@ windows: cg port-tools
 
 # Wine's debugger outlives a crash, and gives the program that crashed the exit status 0.
 WINE := env WINEPREFIX=$(CURDIR)/target/wine WINEDEBUG=-all WINEDLLOVERRIDES=winedbg.exe=d wine
-# The first start of Wine makes its folder and says so, which is no answer of the program.
-wine-ready = $(WINE) wineboot --init 2>/dev/null && x86_64-w64-mingw32-gcc -shared -Wall -Werror -o $(1)/bcryptprimitives.dll ports/bcryptprimitives.c -ladvapi32
+# The first start of Wine makes its folder and says so, which is no answer of the program. A folder that was only made in part, by
+# a start that was interrupted, never becomes whole: it is made anew.
+wine-ready = ($(WINE) wineboot --init || { rm -rf $(CURDIR)/target/wine; $(WINE) wineboot --init; }) 2>/dev/null && x86_64-w64-mingw32-gcc -shared -Wall -Werror -o $(1)/bcryptprimitives.dll ports/bcryptprimitives.c -ladvapi32
 
 # Checks that `cg` compiles for macOS, without the features whose libraries need Apple's compiler for C. It cannot be run here.
 macos:
