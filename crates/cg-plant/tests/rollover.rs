@@ -448,7 +448,7 @@ fn the_table_of_errors() {
 /// `U²/2L`. The threshold on board is compared with the plant's ramp for loads and speeds other than those by which its
 /// standard deviation was chosen. If each of the five trucks has three degrees of freedom, the mean square of error over
 /// standard deviation is above 1.7 with a probability of 5 % (χ² of 15), and, if it is 0.3 as in other turns (docs/plant.md),
-/// below 0.3 · 0.35 with one of 1 %. With a threshold that is held below 40 km/h it would be 72.
+/// below 0.3 · 0.35 with one of 1 %. With a threshold that is held below 40 km/h it would be 37.
 #[test]
 fn slow_turns_tip_where_the_estimator_on_board_says() {
     let (mut count, mut squares) = (0.0, 0.0);
