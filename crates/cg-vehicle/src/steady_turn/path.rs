@@ -213,4 +213,27 @@ mod tests {
         }
         assert!(tips >= 10, "{tips}"); // the others slide, or cannot be steered so
     }
+
+    /// A trailer of the length `L` behind its fifth wheel, at 45° to a tractor whose tires do not slip, has `U²/2L`. At this
+    /// lateral acceleration tires slip by up to 5°, which is 0.09 of a radian, and change `U²/2L` by no more than that.
+    #[test]
+    fn the_tightest_turn_is_that_at_45_degrees() {
+        let vehicles = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/vehicles");
+        for name in ["euro", "baseline", "baseline-tables", "air"] {
+            let vehicle = Vehicle::load(format!("{vehicles}/{name}.toml")).unwrap();
+            let axles = &vehicle.trailer.axle;
+            #[allow(clippy::cast_precision_loss)] // two or three
+            let length_m =
+                axles.iter().map(|axle| axle.behind_hitch_m).sum::<f64>() / axles.len() as f64;
+            for speed_mps in [25.0, 30.0].map(|kmh: f64| kmh / 3.6) {
+                let load = vehicle.reference_load();
+                let found_g =
+                    RollPlane::new(&vehicle, load, speed_mps, 1.0).unwrap().tightest_turn_g();
+                let expected_g = speed_mps * speed_mps / (2.0 * length_m) / vehicle.gravity_mps2;
+                let ratio = found_g / expected_g;
+                println!("{name} {speed_mps:.1} m/s: {found_g:.4} g, {ratio:.3} times U²/2L");
+                assert!((ratio - 1.0).abs() < 0.09, "{name} {speed_mps} m/s: {ratio}");
+            }
+        }
+    }
 }
