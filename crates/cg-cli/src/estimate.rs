@@ -29,7 +29,7 @@ pub(crate) fn run(arguments: &EstimateArgs, files: Files) -> anyhow::Result<Outc
     let logs = matched(&arguments.logs)?;
     let target = report_target(arguments, &logs, files)?;
     let vehicle = arguments.truck.load()?;
-    let (belief, judgment) = arguments.truck.belief(&vehicle)?;
+    let (belief, basis) = arguments.truck.belief(&vehicle)?;
     let present = arguments.truck.lift.of(&vehicle)?;
     let options = EstimateOptions {
         variant: arguments.truck.model,
@@ -41,7 +41,7 @@ pub(crate) fn run(arguments: &EstimateArgs, files: Files) -> anyhow::Result<Outc
         trailer_mass_sd_kg: arguments.trailer_mass_sd_kg,
         lift_axle: arguments.truck.lift.lift_axle,
         road: arguments.road.of(&vehicle),
-        judgment,
+        basis,
         ..EstimateOptions::default()
     }
     .checked(&present)

@@ -5,10 +5,10 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, anyhow};
 use cg_core::Design;
-use cg_logs::estimate::RoadChoice;
+use cg_logs::estimate::{Basis, RoadChoice};
 use cg_output::Files;
 use cg_vehicle::belief::Belief;
-use cg_vehicle::calibration::{Calibration, Judgment};
+use cg_vehicle::calibration::Calibration;
 use cg_vehicle::design::design_with;
 use cg_vehicle::finding::Finding;
 use cg_vehicle::lift::LiftAxle;
@@ -104,15 +104,12 @@ impl TruckArgs {
     }
 
     /// What is [known](Self::belief) of the truck. A calibration whose runs contradict the vehicle file is told on standard error.
-    pub(crate) fn told_belief(
-        &self,
-        vehicle: &Vehicle,
-    ) -> anyhow::Result<(Belief, Option<Judgment>)> {
-        let (belief, judgment) = self.belief(vehicle)?;
-        if let Some(message) = judgment.and_then(Judgment::message) {
+    pub(crate) fn told_belief(&self, vehicle: &Vehicle) -> anyhow::Result<(Belief, Option<Basis>)> {
+        let (belief, basis) = self.belief(vehicle)?;
+        if let Some(message) = basis.and_then(|basis| basis.judgment.message()) {
             print_error(&anyhow!(message));
         }
-        Ok((belief, judgment))
+        Ok((belief, basis))
     }
 
     /// The calibration, if there is one.
@@ -130,9 +127,9 @@ impl TruckArgs {
     }
 
     /// What is known of the truck, and whether the runs of the calibration are possible; `None` without one.
-    pub(crate) fn belief(&self, vehicle: &Vehicle) -> anyhow::Result<(Belief, Option<Judgment>)> {
+    pub(crate) fn belief(&self, vehicle: &Vehicle) -> anyhow::Result<(Belief, Option<Basis>)> {
         Ok(match self.calibration(vehicle)? {
-            Some(calibration) => (calibration.belief(), Some(calibration.judgment())),
+            Some(calibration) => (calibration.belief(), Some(Basis::of(&calibration))),
             None => (Belief::prior(vehicle), None),
         })
     }

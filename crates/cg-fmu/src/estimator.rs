@@ -1,7 +1,7 @@
 //! The estimator as an FMU.
 
 use cg_core::{Design, Measured, Status, Warner};
-use cg_logs::estimate::{EstimateOptions, LogEstimate, LogEstimator, RoadChoice, Verdict};
+use cg_logs::estimate::{Basis, EstimateOptions, LogEstimate, LogEstimator, RoadChoice, Verdict};
 use cg_logs::log::{LogRow, Signal};
 use cg_vehicle::belief::Belief;
 use cg_vehicle::calibration::Calibration;
@@ -70,10 +70,10 @@ impl EstimatorSubject {
         calibration: Option<&Calibration>,
     ) -> Result<Self, FmuError> {
         let variant = calibration.map_or(Variant::Complete, |calibration| calibration.model);
-        let judgment = calibration.map(Calibration::judgment);
+        let basis = calibration.map(Basis::of);
         let belief = calibration.map_or_else(|| Belief::prior(&vehicle), Calibration::belief);
         let design = design_with(&vehicle, variant, &belief)?;
-        let options = EstimateOptions { variant, judgment, ..EstimateOptions::default() };
+        let options = EstimateOptions { variant, basis, ..EstimateOptions::default() };
         let options = options.with_file(&vehicle);
         Ok(Self { vehicle, design, options, variables: variables() })
     }

@@ -12,6 +12,7 @@ use cg_vehicle::lift::LiftAxle;
 use cg_vehicle::{Load, Variant, Vehicle, VehicleError};
 use serde::{Deserialize, Serialize};
 
+use crate::estimate::date_s;
 use crate::malformed::Malformed;
 use crate::same_drive::{are_of_one_drive, values};
 
@@ -69,9 +70,7 @@ struct Before {
 
 impl Before {
     fn new(calibration: &Calibration) -> Self {
-        let date = chrono::DateTime::parse_from_rfc3339(&calibration.date).ok();
-        #[allow(clippy::cast_precision_loss, reason = "seconds since 1970")]
-        let date_s = date.map(|date| date.timestamp() as f64);
+        let date_s = date_s(calibration);
         Self { belief: calibration.belief(), date_s, runs: calibration.run.clone() }
     }
 

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
 use cg_core::Design;
-use cg_logs::estimate::{EstimateOptions, LogEstimator, RoadChoice, Truck};
+use cg_logs::estimate::{Basis, EstimateOptions, LogEstimator, RoadChoice, Truck};
 use cg_logs::learn::Learned;
 use cg_vehicle::belief::Belief;
 use cg_vehicle::calibration::Calibration;
@@ -101,8 +101,9 @@ impl Vehicle {
         learned: Option<&Belief>,
         options: EstimateOptions,
     ) -> Result<LogEstimator, VehicleError> {
-        let judgment = self.calibration.as_ref().map(Calibration::judgment);
-        let options = EstimateOptions { judgment, lift_axle: self.lift_axle, ..options };
+        let basis = self.calibration.as_ref().map(Basis::of);
+        let basis = basis.map(|basis| if learned.is_some() { basis.with_trips() } else { basis });
+        let options = EstimateOptions { basis, lift_axle: self.lift_axle, ..options };
         if let Some(belief) = learned {
             return LogEstimator::of_truck(&self.file, belief, options);
         }

@@ -53,12 +53,12 @@ use std::path::PathBuf;
 use anyhow::Context as _;
 use anyhow::bail;
 use cg_core::Warner;
-use cg_logs::estimate::{EstimateOptions, Lift, Method, Truck};
+use cg_logs::estimate::{Basis, EstimateOptions, Lift, Method, Truck};
 use cg_logs::log::LogOptions;
 use cg_logs::state::Owner;
 use cg_output::{Files, Kind, Target};
 use cg_vehicle::belief::Belief;
-use cg_vehicle::calibration::{Calibration, Judgment};
+use cg_vehicle::calibration::Calibration;
 use cg_vehicle::design::design_with;
 use cg_vehicle::sensor_places::Road;
 use cg_vehicle::{Vehicle, VehicleError};
@@ -91,7 +91,7 @@ pub(crate) fn run(arguments: &RunArgs, files: Files) -> anyhow::Result<Outcome> 
     refuse_endless_warnings(arguments)?;
     let vehicle = arguments.truck.load()?;
     refuse_mass(arguments, &vehicle)?;
-    let (belief, judgment) = arguments.truck.told_belief(&vehicle)?;
+    let (belief, basis) = arguments.truck.told_belief(&vehicle)?;
     let options = log_options(arguments, &vehicle)?;
     let recording = Recording::open(arguments, &options)?;
     let live = arguments.can.is_some() || arguments.realtime;
@@ -108,11 +108,13 @@ pub(crate) fn run(arguments: &RunArgs, files: Files) -> anyhow::Result<Outcome> 
     let mut state = state.map(owner).transpose()?;
     let start =
         state.as_mut().map(|state| learned(arguments, (&vehicle, calibration.as_ref()), state));
-    let belief = start.as_ref().and_then(|start| start.belief.clone()).unwrap_or(belief);
+    let trips = start.as_ref().and_then(|start| start.belief.clone());
+    let basis = basis.map(|basis| if trips.is_some() { basis.with_trips() } else { basis });
+    let belief = trips.unwrap_or(belief);
     let lines: LineWriter<Stdout> = LineWriter::new(io::stdout());
     let mut outputs = Outputs::new(lines, state, metrics, None);
     outputs.page = arguments.serve.as_ref().map(Page::open).transpose()?;
-    let mut session = session(arguments, (&vehicle, &belief, judgment), outputs)?;
+    let mut session = session(arguments, (&vehicle, &belief, basis), outputs)?;
     if arguments.can.is_some() {
         #[allow(clippy::cast_precision_loss)] // microseconds since 1970
         session.tick(wall::now_us() as f64 * 1e-6, 0);
@@ -175,13 +177,13 @@ fn process<W: Write>(
 /// The processing of samples with the options of this run.
 fn session<W: Write>(
     arguments: &RunArgs,
-    (vehicle, belief, judgment): (&Vehicle, &Belief, Option<Judgment>),
+    (vehicle, belief, basis): (&Vehicle, &Belief, Option<Basis>),
     outputs: Outputs<W>,
 ) -> anyhow::Result<Session<W>> {
     let warner = Warner::new(&arguments.warn, arguments.warn_hysteresis)
         .context("--warn, --warn-hysteresis")?;
     let (mass_kg, options) = (arguments.trailer_mass_kg, identification(arguments, vehicle)?);
-    let options = EstimateOptions { judgment, ..options };
+    let options = EstimateOptions { basis, ..options };
     let (Truck { design, settings, options }, raised) = Truck::positions(vehicle, belief, options)?;
     let mut session =
         Session::new((&design, options), warner, mass_kg, arguments.status_s, outputs);

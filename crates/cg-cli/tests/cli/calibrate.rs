@@ -311,6 +311,38 @@ fn an_edited_calibration_is_noticed() {
     }
 }
 
+/// A log whose clock is Unix time, recorded so many days after now.
+fn log_after(scratch: &Scratch, days: f64) -> String {
+    let now = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH).unwrap();
+    let text = std::fs::read_to_string(fixture("logs/A_p10_h170_v50_L.csv")).unwrap();
+    let later = |line: &str| {
+        let (time_s, rest) = line.split_once(',').unwrap();
+        let time_s =
+            time_s.parse::<f64>().map(|time_s| time_s + now.as_secs_f64() + 86_400.0 * days);
+        format!("{},{rest}\n", time_s.map_or("time_s".into(), |time_s| format!("{time_s:.4}")))
+    };
+    let rows: String = text.lines().filter(|line| !line.starts_with('#')).map(later).collect();
+    scratch.file("later.csv", rows)
+}
+
+/// 183 days are half a year.
+#[test]
+fn an_old_calibration_is_told() {
+    let scratch = Scratch::new();
+    let file = scratch.path("c.toml");
+    calibrate(&kraz(), &two_runs(), &file).done();
+    let told = |days: f64| {
+        let log = log_after(&scratch, days);
+        let answer = estimate(&log, &kraz(), &["--calibration", &file]).done().answer();
+        let live = ["run", "--vehicle", &kraz(), "--calibration", &file, "--csv", &log];
+        let notices = cg(&live).done().json().into_iter();
+        let notice = notices.filter(|line| line["subject"] == "calibration").count();
+        (answer["messages"].to_string().contains("the calibration was 200 days old"), notice)
+    };
+    assert_eq!(told(180.0), (false, 0));
+    assert_eq!(told(200.0), (true, 1));
+}
+
 #[test]
 fn a_vehicle_of_any_name_gives_a_calibration_that_can_be_read_back() {
     let scratch = Scratch::new();

@@ -1,7 +1,6 @@
 //! Messages that explain a height or its absence.
 
 use cg_core::{Channel, Height, Inconsistency, Maneuver, Measured, Reject};
-use cg_vehicle::calibration::Judgment;
 
 use super::diagnosis::Evidence;
 use super::intake::LogEstimator;
@@ -39,9 +38,11 @@ impl LogEstimator {
     }
 
     pub(super) fn messages(&self) -> Vec<String> {
-        let doubt = self.options.judgment.and_then(Judgment::message);
+        let basis = self.options.basis;
+        let doubt = basis.and_then(|basis| basis.judgment.message());
         let mut messages: Vec<String> =
             doubt.into_iter().chain(self.sensors.signals.clock()).collect();
+        messages.extend(basis.and_then(|basis| basis.age_message(self.origin_s?)));
         // The bank of a road changes roll angles and suspension rolls just as slowly.
         let mut of_roll =
             Channel::ALL.into_iter().filter(|one| one.feels_bank() && !self.is_on_road());

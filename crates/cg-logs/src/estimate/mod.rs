@@ -41,6 +41,7 @@
 //! | `diagnosis`, `messages`, `finish` | the end of a log: likely causes, messages, the result |
 //! | `prediction` | the roll angle that the model predicts, next to the measured one |
 
+mod basis;
 mod options;
 mod known;
 mod answer;
@@ -90,6 +91,8 @@ mod prediction;
 mod trial;
 
 pub use answer::{ChannelEstimate, LogEstimate, ManeuverEstimate, Verdict};
+pub use basis::Basis;
+pub(crate) use basis::date_s;
 pub use by_wind::ByWind;
 pub use engine::Engine;
 pub use felt::{add_force, felt_mps2};

@@ -5,7 +5,6 @@ use std::str::FromStr;
 use cg_core::decide::settings::PUBLIC_BANK_SD_RAD;
 use cg_core::{CHANNELS, Channel, Measured, Outcome, Quantity};
 use cg_vehicle::assumptions::has_unplaced_roll_sensor;
-use cg_vehicle::calibration::Judgment;
 use cg_vehicle::floor::Floor;
 use cg_vehicle::lean::Lean;
 use cg_vehicle::lift::LiftAxle;
@@ -14,6 +13,8 @@ use cg_vehicle::second_sensor::slopes;
 use cg_vehicle::side_wind::SideWind;
 use cg_vehicle::{Variant, Vehicle};
 use serde::{Deserialize, Serialize};
+
+use super::basis::Basis;
 
 /// Greatest relative difference between the mass in a log and that of the empty trailer.
 pub(crate) const EMPTY_SHARE: f64 = 0.03;
@@ -164,8 +165,8 @@ pub struct EstimateOptions {
     /// The roads of the log. `None`: roll angles relative to gravity are taken as measured on
     /// public roads, roll angles relative to the road as measured on a flat test track.
     pub road: Option<RoadChoice>,
-    /// Whether the runs of the calibration are possible; if not, the messages say so. `None` without a calibration.
-    pub judgment: Option<Judgment>,
+    /// What the messages say of the calibration. `None` without one.
+    pub basis: Option<Basis>,
     /// The lean of a trailer whose load stands beside the middle.
     pub lean: Option<Lean>,
     /// The side of the trailer's body, and the wind on it. `None`: it is in no interval.
@@ -218,7 +219,7 @@ impl EstimateOptions {
     /// with the same sensor would contain what it does.
     pub fn unconfirmed(&self, has: impl Fn(Quantity) -> bool) -> Option<&'static str> {
         let is_alone = has(Quantity::LateralAcceleration) && !has(Quantity::YawRate);
-        (is_alone && self.judgment.is_none()).then_some(GRAVITY)
+        (is_alone && self.basis.is_none()).then_some(GRAVITY)
     }
 
     /// That a height, m, is unusual for a load, or that a load that makes a trailer of this mass, kg, would lie below the floor.
@@ -273,7 +274,7 @@ impl Default for EstimateOptions {
             lift_axle: None,
             scales: Scales::EXACT,
             road: None,
-            judgment: None,
+            basis: None,
             lean: None,
             side_wind: None,
             roll_sensor_is_unplaced: false,

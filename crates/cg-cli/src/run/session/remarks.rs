@@ -12,6 +12,7 @@ use crate::run::events::MassSource;
 impl<W: Write> Session<W> {
     /// Reports what the user should know, each once.
     pub(super) fn remark(&mut self, maneuver: &Maneuver<f64>) -> io::Result<()> {
+        self.report_age()?;
         self.report_lean()?;
         self.report_road(maneuver)?;
         self.report_strength()?;
@@ -39,6 +40,13 @@ impl<W: Write> Session<W> {
             return Ok(());
         }
         messages.iter().try_for_each(|message| self.notice(subject, message))
+    }
+
+    /// Reports that the calibration is old.
+    fn report_age(&mut self) -> io::Result<()> {
+        let now_s = self.time_s(self.now_us);
+        let found = self.options.basis.and_then(|basis| basis.age_message(now_s));
+        self.notice_of_load("calibration", found.as_slice())
     }
 
     /// Reports that the trailer leans in straight driving.
