@@ -8,6 +8,7 @@ use std::time::{Duration, Instant};
 use anyhow::{Context, bail};
 use cg_core::Quantity;
 use cg_logs::can::{CandumpReader, Clock};
+use cg_logs::estimate::SpeedAge;
 use cg_logs::log::{FrameText, LogOptions, LogReader, LogRow, Signal};
 use cg_vehicle::scales::Scale;
 
@@ -201,7 +202,7 @@ pub(crate) fn csv<W: Write>(
         opened.map_or_else(|| piped_rows(path, options, stop), |reader| Ok(Some(reader)))?;
     let Some(reader) = opened else { return Ok("signal") };
     let mut reader = reader.over_bad_rows();
-    let mut clock = Clock::default();
+    let (mut clock, mut speed_age) = (Clock::default(), SpeedAge::default());
     let mut pace = Pace { began: None, realtime, stop };
     loop {
         if stop.is_requested() {
@@ -238,7 +239,9 @@ pub(crate) fn csv<W: Write>(
         }
         session.sensors.level(|level| row.get(Signal::from(level)));
         session.rated.push(&row);
-        session.push(row.sample(instant.stream_us, &session.settings))?;
+        let mut sample = row.sample(instant.stream_us, &session.settings);
+        speed_age.push(&mut sample);
+        session.push(sample)?;
         session.seen = presence.seen;
         session.tilts = presence.tilts();
         session.missing(presence.missing(instant.stream_us))?;

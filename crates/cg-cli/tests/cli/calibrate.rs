@@ -278,7 +278,9 @@ fn a_log_is_given_twice_under_another_name() {
         calibrate(&kraz(), &runs, &file).refused(&[other, "given twice"]);
     }
     let copy = scratch.file("copy.csv", std::fs::read(&log).unwrap());
-    calibrate(&kraz(), &[format!("{log}=1.9"), format!("{copy}=1.9")], &file).done();
+    let runs = [format!("{log}=1.9"), format!("{copy}=1.9")];
+    let told = calibrate(&kraz(), &runs, &file).done().out;
+    assert!(told.contains("log.csv and ") && told.contains("count as two"), "{told}");
 }
 
 #[test]
@@ -390,7 +392,8 @@ fn a_calibration_of_something_else_is_refused() {
 }
 
 /// Roll angles relative to gravity contain the bank of a public road. On a flat track they are those
-/// relative to the road. The option replaces the roads of the vehicle file.
+/// relative to the road, whose statement says that the road counts as flat if nothing does. The option replaces the roads of
+/// the vehicle file.
 #[test]
 fn runs_are_from_the_given_road() {
     let scratch = Scratch::new();
@@ -403,7 +406,11 @@ fn runs_are_from_the_given_road() {
         cg(&[&arguments[..], more].concat())
     };
     let gravity = ["--column", "roll_to_gravity=roll_rad"];
-    let to_road = with(&kraz(), &[]).done().out;
+    let assumed = with(&kraz(), &[]).done().out;
+    let (said, to_road): (Vec<&str>, Vec<&str>) =
+        assumed.lines().partition(|line| line.contains("they count as flat"));
+    assert_eq!(said.len(), 1, "{assumed}");
+    let to_road = to_road.join("\n") + "\n";
     let on = |road: &[&str], vehicle: &str| with(vehicle, &[&gravity, road].concat());
     assert_eq!(on(&["--road", "flat"], &kraz()).done().out, to_road);
     assert_eq!(on(&[], &flat).done().out, to_road);

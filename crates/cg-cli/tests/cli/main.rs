@@ -45,6 +45,7 @@ mod files;
 mod learn;
 mod lift;
 mod logs;
+mod lost_inputs;
 mod memory;
 mod model;
 mod new_truck;

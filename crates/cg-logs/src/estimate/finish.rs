@@ -257,6 +257,7 @@ impl LogEstimator {
             lift_unknown: self.lift.unknown(),
             load_since_s: self.load_since_s(),
             ratio: [None; CHANNELS],
+            is_assumed_flat: self.options.road.is_none() && !self.is_on_road(),
             turns: Vec::new(),
             turns_sd: [0.0; CHANNELS],
             messages: self.messages(),

@@ -59,6 +59,8 @@ pub struct Identified {
     pub load_since_s: Option<f64>,
     /// DC ratios in the order of [`Channel::ALL`](cg_core::Channel::ALL), with the standard deviation due to noise.
     pub ratio: [Option<Measured<f64>>; CHANNELS],
+    /// Whether its roads count as flat because nothing says what they were.
+    pub is_assumed_flat: bool,
     /// What is said of strong and tight turns, and of a speed that changes in them.
     pub turns: Vec<String>,
     /// The part of the standard deviations, relative, that this is. It has one sign in all logs of a truck.

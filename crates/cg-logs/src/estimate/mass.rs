@@ -119,7 +119,8 @@ impl LogEstimator {
             ));
         }
         let used = format!(
-            "{:.2} m/s from the vehicle file is used; give ⟨speed_mps⟩",
+            "{:.2} m/s from the vehicle file is used, and the interval does not contain how far the truck's speed was from it; \
+             give ⟨speed_mps⟩",
             self.design.nominal_speed_mps
         );
         if !self.is_speed_known() {

@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use super::agreement::AgreementCheck;
 use super::forces::ForceCheck;
+use super::frozen::FrozenCheck;
 use super::levels::LevelCheck;
 use super::options::RoadChoice;
 use super::pressures::PressureCheck;
@@ -26,6 +27,8 @@ pub struct SensorCheck {
     #[serde(default)]
     pressures: PressureCheck,
     values: ValueCheck,
+    #[serde(default)]
+    frozen: FrozenCheck,
     #[serde(default)]
     seldom: SeldomCheck,
     coarse_is_told: bool,
@@ -49,7 +52,8 @@ impl SensorCheck {
     pub(super) fn push_mean(&mut self, mean: &Sample<f64>, design: &Design<f64>) -> bool {
         self.forces.push(mean, design);
         self.signals.push(mean);
-        self.agreement.push(mean)
+        let is_news = self.frozen.push(mean);
+        self.agreement.push(mean) || is_news
     }
 
     /// Forgets the mean over the drive when signals agree again, for a drive that goes on.
@@ -71,7 +75,11 @@ impl SensorCheck {
         let of_all = self.signals.contradiction(gravity_mps2).filter(|_| is_known);
         // That of the whole log knows the likely causes.
         let of_now = self.agreement.contradiction();
-        if at_present { of_now.or(of_all) } else { of_all.or(of_now) }
+        if at_present {
+            of_now.or(of_all).or_else(|| self.frozen.message())
+        } else {
+            of_all.or(of_now)
+        }
     }
 
     /// Takes the levels and pressures at one time, SI units; NaN without a value.

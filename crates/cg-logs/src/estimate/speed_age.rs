@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 /// The last speed, and the rows without one.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
-pub(super) struct SpeedAge {
+pub struct SpeedAge {
     last_us: Option<u64>,
     rows: u64,
     first_us: Option<u64>,
@@ -17,7 +17,7 @@ pub(super) struct SpeedAge {
 impl SpeedAge {
     /// Takes a sample, and leaves out of it what it does not determine without a speed.
     #[inline]
-    pub(super) fn push(&mut self, sample: &mut Sample<f64>) {
+    pub fn push(&mut self, sample: &mut Sample<f64>) {
         if Quantity::Speed.plausible(sample.speed_mps) {
             self.last_us = Some(sample.time_us);
         } else if let Some(last_us) = self.last_us

@@ -19,17 +19,28 @@ pub struct Unheard {
     turns: u32,
     last: Option<Reject<f64>>,
     is_told: bool,
+    /// Whether any turn has given a height.
+    #[serde(default)]
+    had_height: bool,
 }
 
 impl Unheard {
+    /// Those since a restart, after turns that gave a height or not.
+    pub fn kept(had_height: bool) -> Self {
+        Self { had_height, ..Self::default() }
+    }
+
     /// Takes a maneuver.
     pub fn push(&mut self, maneuver: &Maneuver<f64>) {
         if maneuver.outcomes.iter().any(|one| one.height_m.is_ok()) {
-            *self = Self::default();
+            *self = Self::kept(true);
             return;
         }
         // A bank that changes along the truck makes a suspension roll inconsistent, too.
+        let is_first = !self.had_height;
         let is_of_sensor = |(channel, reject): &(Channel, Reject<f64>)| match reject {
+            // After a height, a height that is impossible is one of another mass, of which another message tells.
+            Reject::Height(_) if is_first => true,
             Reject::Imprecise { ratio_sd_relative } => !(*ratio_sd_relative <= MEANINGLESS),
             Reject::Inconsistent(_) => channel.feels_bank(),
             reject => is_reversed(reject),
@@ -47,15 +58,18 @@ impl Unheard {
         let last = self.last.filter(|_| self.turns >= MANY)?;
         let advice = if is_reversed(&last) {
             "a sensor is reversed (⟨flip roll⟩, or that of the input)"
+        } else if matches!(last, Reject::Height(_)) {
+            "check the mass, the sensors and the vehicle file"
         } else {
             "check the sensors"
         };
-        Some(format!(
-            "the last {} turns gave no height, so a height that is shown is of the turns before them and a change of the load \
-             is not noticed: {}; {advice}",
-            self.turns,
-            reason(design, &last)
-        ))
+        let so = if self.had_height {
+            ", so a height that is shown is of the turns before them and a change of the load is not noticed"
+        } else {
+            ", and none before them did"
+        };
+        let (turns, reason) = (self.turns, reason(design, &last));
+        Some(format!("the last {turns} turns gave no height{so}: {reason}; {advice}"))
     }
 
     /// The same, once for each time.
@@ -113,7 +127,13 @@ mod tests {
             "{told}"
         );
         let high = Some(Reject::Height(HeightError::OutOfRange { height_m: 6.0 }));
-        assert_eq!(after(&[high; 3]).message(&design), None);
+        assert_eq!(after(&[None, high, high, high]).message(&design), None);
+        let told = after(&[high; 3]).message(&design).unwrap();
+        assert!(
+            told.starts_with("the last 3 turns gave no height, and none before them did"),
+            "{told}"
+        );
+        assert!(told.ends_with("check the mass, the sensors and the vehicle file"), "{told}");
         // Of a suspension it may be the bank.
         let stood = Reject::Inconsistent(Inconsistency::Standstill { roll_rad: 0.0 });
         for (channel, is_told) in [(Channel::Steer, true), (Channel::Suspension, false)] {

@@ -4,7 +4,7 @@ use std::io::{self, Write};
 
 use cg_core::{HeightError, Maneuver, Reject, Sample, Settings};
 use cg_logs::estimate::{
-    Engine, LeftOut, SinceStop, StrongTurns, Weighed, Windward, is_other_load,
+    Engine, LeftOut, SinceStop, StrongTurns, Unheard, Weighed, Windward, is_other_load,
 };
 
 use super::Session;
@@ -44,6 +44,7 @@ impl<W: Write> Session<W> {
                 }
                 self.turn_kg = memory.load_mass_kg.unwrap_or(memory.trailer_mass_kg);
                 self.update(self.turn_kg);
+                self.unheard = Unheard::kept(self.has_height());
                 Ok(true)
             }
             Some(Ok(Found::PutAside(path, reason))) => {

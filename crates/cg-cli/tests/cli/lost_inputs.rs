@@ -1,0 +1,113 @@
+//! Inputs of `cg run` that stop, freeze or are wrong from the first turn on, in logs in which nothing else shows it.
+
+use serde_json::Value;
+
+use crate::common::{Scratch, cg, kraz};
+
+/// A drive of a laden truck, 2.0 m, with these columns. `change` changes the value of a column at a time, s, or leaves it out.
+fn drive(
+    scratch: &Scratch,
+    columns: &[&str],
+    change: impl Fn(&str, f64, f64) -> Option<f64>,
+) -> String {
+    let more = [
+        "--maneuver",
+        "drive",
+        "--duration-s",
+        "300",
+        "--payload-kg",
+        "15000",
+        "--height-m",
+        "2.0",
+    ];
+    let log = scratch.simulate("drive.csv", &kraz(), &more);
+    let text = std::fs::read_to_string(log).unwrap();
+    let mut rows = text.lines().filter(|line| !line.starts_with('#'));
+    let names: Vec<&str> = rows.next().unwrap().split(',').collect();
+    let place = |name: &&str| names.iter().position(|known| known == name).unwrap();
+    let mut kept = columns.join(",") + "\n";
+    for row in rows {
+        let cells: Vec<&str> = row.split(',').collect();
+        let time_s: f64 = cells[place(&"time_s")].parse().unwrap();
+        let cell = |name: &&str| {
+            let value = change(name, time_s, cells[place(name)].parse().unwrap());
+            value.map(|value| value.to_string()).unwrap_or_default()
+        };
+        kept += &(columns.iter().map(cell).collect::<Vec<_>>().join(",") + "\n");
+    }
+    scratch.file("changed.csv", kept)
+}
+
+fn run(log: &str) -> Vec<Value> {
+    let vehicle = kraz();
+    cg(&["run", "--vehicle", &vehicle, "--road", "flat", "--csv", log]).json()
+}
+
+fn last_status(events: &[Value]) -> &Value {
+    events.iter().rfind(|event| event["event"] == "status").unwrap()
+}
+
+fn notices<'a>(events: &'a [Value], subject: &str) -> Vec<&'a str> {
+    let of = |event: &&Value| event["event"] == "notice" && event["subject"] == subject;
+    events.iter().filter(of).map(|event| event["message"].as_str().unwrap()).collect()
+}
+
+/// Between two speeds the last one holds for 2.5 s, as on a bus. With a lost one, the turns after it give nothing, and the height
+/// is that of the turns before.
+#[test]
+fn a_lost_speed_is_not_kept() {
+    let scratch = Scratch::new();
+    let columns = ["time_s", "roll_rad", "yaw_rate_radps", "speed_mps", "trailer_mass_kg"];
+    let lost = drive(&scratch, &columns, |name, time_s, value| {
+        (name != "speed_mps" || time_s < 150.0).then_some(value)
+    });
+    let events = run(&lost);
+    let after = last_status(&events);
+    assert!(after["missing"].as_array().unwrap().contains(&"speed".into()), "{after}");
+    let before = events
+        .iter()
+        .rfind(|event| event["event"] == "status" && event["time_s"].as_f64().unwrap() < 152.0);
+    let of = |status: &Value| (status["height_m"].clone(), status["maneuvers"].clone());
+    let (height, maneuvers) = of(before.unwrap());
+    let later = after["maneuvers"].as_u64().unwrap() - maneuvers.as_u64().unwrap();
+    assert!(height.is_f64() && later <= 1, "{before:?} {after}"); // a turn in which it was lost
+    assert_eq!(notices(&events, "load"), [""; 0]);
+}
+
+/// The roll angle shows the turns in which a lateral acceleration repeats one value.
+#[test]
+fn a_frozen_lateral_acceleration_is_told() {
+    let scratch = Scratch::new();
+    let columns =
+        ["time_s", "roll_rad", "lateral_acceleration_mps2", "speed_mps", "trailer_mass_kg"];
+    let frozen = drive(&scratch, &columns, |name, time_s, value| {
+        Some(if name == "lateral_acceleration_mps2" && time_s > 150.0 { 0.02 } else { value })
+    });
+    let events = run(&frozen);
+    let told = notices(&events, "channels");
+    assert!(
+        told.len() == 1 && told[0].contains("lateral_acceleration has been 0.020 m/s² for"),
+        "{told:?}"
+    );
+    assert_eq!(last_status(&events)["status"], "inconsistent");
+    let moving = run(&drive(&scratch, &columns, |_, _, value| Some(value)));
+    assert_eq!(notices(&moving, "channels"), [""; 0]);
+}
+
+/// With half of its mass, the truck rolls as no load does.
+#[test]
+fn turns_that_are_impossible_from_the_first_one_on_are_told() {
+    let scratch = Scratch::new();
+    let columns =
+        ["time_s", "roll_rad", "lateral_acceleration_mps2", "speed_mps", "trailer_mass_kg"];
+    let half = drive(&scratch, &columns, |name, _, value| {
+        Some(if name == "trailer_mass_kg" { 0.5 * value } else { value })
+    });
+    let events = run(&half);
+    let told = notices(&events, "turns");
+    assert!(
+        told.len() == 1 && told[0].starts_with("the last 3 turns gave no height, and none before"),
+        "{told:?}"
+    );
+    assert!(last_status(&events)["height_m"].is_null());
+}
