@@ -20,6 +20,9 @@ const VIEW_LAG_S: f64 = 0.8;
 /// to more than a second until a truck counts as turning.
 const SOON_US: u64 = 1_200_000;
 
+/// Until when a channel rests that started in a turn.
+const IN_A_TURN_US: u64 = 0;
+
 /// The state of one channel: its identifier, the time of its last row, and its fused heights.
 #[derive(Clone, Copy, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -167,7 +170,9 @@ impl<T: Real, I: Identify<T>> Lane<T, I> {
         settings: &Settings<T>,
     ) -> bool {
         let gap_us = self.last_us.map(|last_us| row.of.first_us.saturating_sub(last_us));
-        let starts = gap_us.is_none_or(|gap_us| gap_us > settings.gap_us);
+        // What started in a turn does not know the roll angle at rest, about which springs bend.
+        let rests_at_last = self.rest.until_us == IN_A_TURN_US && !row.turning;
+        let starts = gap_us.is_none_or(|gap_us| gap_us > settings.gap_us) || rests_at_last;
         if starts {
             self.start(row, view_rad, settings);
         }
@@ -185,8 +190,8 @@ impl<T: Real, I: Identify<T>> Lane<T, I> {
         // In a turn the filters start from a wrong steady state.
         let wait = if row.turning { settings.settle_us } else { 0 };
         self.settled_us = row.time_us.saturating_add(wait);
-        let rest_us = if row.turning { 0 } else { settings.rest_us };
-        self.rest = Rest::new(row.time_us.saturating_add(rest_us));
+        let rest_us = row.time_us.saturating_add(settings.rest_us);
+        self.rest = Rest::new(if row.turning { IN_A_TURN_US } else { rest_us });
         let [_, measured_rad] = view_rad;
         self.lags = RollLags::at_rest(measured_rad);
         self.measured_rad = measured_rad;
