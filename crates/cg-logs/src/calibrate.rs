@@ -205,7 +205,7 @@ fn flat_roads(logs: &[String]) -> Option<String> {
     (!logs.is_empty()).then(|| {
         format!(
             "nothing says on which roads these runs were, so they count as flat: {}. A curve that leans to its inside by 1 % in \
-             all of them makes later heights 5 to 10 % too low, which no interval contains. [road] in the vehicle file, or an option, \
+             all of them makes later heights about 6 % too low, which no interval contains. [road] in the vehicle file, or an option, \
              says whether they were flat or public",
             logs.join(", ")
         )

@@ -314,8 +314,7 @@ impl RollAngles {
             Angle::None => {
                 remarks.push(format!(
                     "the roll angle is the integral of roll_rate, upright on straight stretches \
-                     ({with} of {} turns); it feels the bank of the road, so give ⟨road flat⟩ for a \
-                     test track",
+                     ({with} of {} turns); it feels the bank of the road, unless the road was flat (⟨road flat⟩)",
                     with + without
                 ));
                 if without > 0 {
