@@ -115,7 +115,7 @@ pub fn calibrate_with_trips<E: From<VehicleError>>(
     let (runs, fitted) = outcome.ok_or_else(|| VehicleError::Model("no pass".to_owned()))?;
     let mut calibration = Calibration::new(vehicle, variant, &runs, &fitted)?;
     calibration.statement.append(&mut doubts);
-    calibration.statement.extend(flat_roads(&assumed_flat));
+    calibration.statement.extend(flat_roads(&assumed_flat, logs.len()));
     calibration.statement.extend(same_drives(&runs));
     calibration.statement.extend(counted_once(of_states - trips.len()));
     if let (Judgment::Contradictory { .. }, false) = (calibration.judgment(), force) {
@@ -200,14 +200,14 @@ fn by_road(identified: &Identified) -> bool {
         && ratios.any(|(channel, ratio)| channel.feels_bank() && ratio.is_some())
 }
 
-/// What is said of runs whose roads count as flat.
-fn flat_roads(logs: &[String]) -> Option<String> {
-    (!logs.is_empty()).then(|| {
+/// What is said of runs whose roads count as flat: all of them, or those with these names.
+fn flat_roads(names: &[String], runs: usize) -> Option<String> {
+    let which = if names.len() < runs { names.join(", ") } else { "the runs".to_owned() };
+    (!names.is_empty()).then(|| {
         format!(
-            "nothing says on which roads these runs were, so they count as flat: {}. A curve that leans to its inside by 1 % in \
-             all of them makes later heights about 6 % too low, which no interval contains. [road] in the vehicle file, or an option, \
-             says whether they were flat or public",
-            logs.join(", ")
+            "nothing says on which roads {which} were, so they count as flat: curves that all lean to their inside by 1 % make later \
+             heights about 6 % too low, which no interval contains. [road] in the vehicle file, or an option, says whether they \
+             were flat or public"
         )
     })
 }
