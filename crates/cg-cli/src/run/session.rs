@@ -1,5 +1,6 @@
 //! Processing of samples: estimation, source of the mass, rollover warnings, and outputs.
 
+mod driving;
 mod learn;
 mod lift;
 mod loads;
@@ -10,9 +11,7 @@ mod warning;
 use std::collections::BTreeSet;
 use std::io::{self, Write};
 
-use cg_core::{
-    AlignSettings, Design, Maneuver, Quantity, Sample, SampleError, Status as Driving, Warner,
-};
+use cg_core::{AlignSettings, Design, Maneuver, Quantity, Sample, SampleError, Warner};
 use cg_logs::can::Instant;
 use cg_logs::estimate::{
     Ended, Engine, EstimateOptions, Leaning, LeftOut, Lift, Rated, RoadPart, SensorCheck,
@@ -90,6 +89,8 @@ pub(crate) struct Session<W: Write> {
     wrong_before: Option<String>,
     roads: RoadPart,
     driving: &'static str,
+    /// Time of the last sample with a roll angle and an input, µs.
+    heard_us: u64,
     missing: Vec<&'static str>,
     /// The quantities that have arrived, in the order of [`Quantity::ALL`].
     pub(crate) seen: [bool; Quantity::COUNT],
@@ -167,6 +168,7 @@ impl<W: Write> Session<W> {
             wrong_before: None,
             roads: RoadPart::default(),
             driving: "waiting",
+            heard_us: 0,
             missing: Vec::new(),
             seen: [false; Quantity::COUNT],
             tilts: Tilts::default(),
@@ -256,29 +258,7 @@ impl<W: Write> Session<W> {
         if let Some(maneuver) = step.closed {
             self.maneuver(&maneuver)?;
         }
-        self.drive(match step.status {
-            Driving::Absent => "no signals",
-            Driving::Straight => "straight",
-            Driving::Turning => "turning",
-        })
-    }
-
-    fn drive(&mut self, state: &'static str) -> io::Result<()> {
-        if state == self.driving {
-            return Ok(());
-        }
-        self.driving = state;
-        let missing = self.missing.clone();
-        self.write_event(&Event::State { state, missing })
-    }
-
-    /// Reports changes of the missing signals.
-    pub(crate) fn missing(&mut self, missing: Vec<&'static str>) -> io::Result<()> {
-        if missing == self.missing {
-            return Ok(());
-        }
-        self.missing.clone_from(&missing);
-        self.write_event(&Event::State { state: self.driving, missing })
+        self.follow_driving(sample.time_us, step.status)
     }
 
     fn maneuver(&mut self, maneuver: &Maneuver<f64>) -> io::Result<()> {

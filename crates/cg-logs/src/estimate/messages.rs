@@ -19,22 +19,35 @@ impl LogEstimator {
         }
         let of_channel = |maneuver: &Maneuver<f64>| maneuver.outcomes[shown.index()].height_m;
         let of_load = self.of_load().iter();
-        let rejects = of_load.filter_map(|maneuver| of_channel(maneuver).err());
-        let reasons: Vec<String> = rejects.map(|reject| reason(&self.design, &reject)).collect();
+        let rejects: Vec<_> = of_load.filter_map(|maneuver| of_channel(maneuver).err()).collect();
+        let last = rejects.last().map(|reject| reason(&self.design, reject));
         let had_height = || self.maneuvers.iter().any(|maneuver| of_channel(maneuver).is_ok());
         if let Some((moved_s, _)) = self.lift.moved().filter(|_| had_height()) {
-            let why = reasons.last().map(|last| format!(" ({last})")).unwrap_or_default();
+            let why = last.map(|last| format!(" ({last})")).unwrap_or_default();
             return format!(
                 "rejected: no turn has given a height since the lift axle moved at {moved_s:.0} s{why}; for that of before, give \
                  the log until then"
             );
         }
-        match reasons.last() {
+        match last {
             None => "rejected: unexcited, the log contains no turn (at least 0.5 m/s² of lateral \
                      acceleration); record a drive with turns"
                 .to_owned(),
-            Some(last) => format!("rejected: {last}"),
+            Some(last) => format!("rejected: {last}{}", self.or_lighter(rejects.last())),
         }
+    }
+
+    /// What else a roll angle that seems to stand still may be if no mass is known.
+    fn or_lighter(&self, last: Option<&Reject<f64>>) -> String {
+        let still = matches!(last, Some(Reject::Inconsistent(Inconsistency::Standstill { .. })));
+        if !still || self.is_mass_known() {
+            return String::new();
+        }
+        let used_kg = self.turns_mass_kg();
+        format!(
+            "; or the trailer is much lighter than {used_kg:.0} kg, which counts because its mass is not known: give \
+             ⟨trailer_mass_kg⟩"
+        )
     }
 
     pub(super) fn messages(&self) -> Vec<String> {

@@ -1,9 +1,15 @@
 //! Why a maneuver has no height, with what the design says about it.
 
-use cg_core::{Design, Reject};
+use cg_core::{Design, HeightError, Reject};
 
-/// The reason in words. A speed or a mass outside the design is named with the range.
+/// The reason in words. What is outside the design is named with the range.
 pub(super) fn reason(design: &Design<f64>, reject: &Reject<f64>) -> String {
+    if let Reject::Height(HeightError::OutOfRange { .. }) = reject {
+        let (least_m, greatest_m) = (design.least_height_m, design.greatest_height_m);
+        return format!(
+            "{reject} ({least_m:.2} to {greatest_m:.2} m by [height] in the vehicle file)"
+        );
+    }
     let &Reject::OutsideDesign { speed_mps, trailer_mass_kg } = reject else {
         return reject.to_string();
     };
@@ -43,6 +49,9 @@ mod tests {
         let speed = of(55.0, usual_kg);
         assert!(speed.starts_with("speed 55.0 m/s is outside the design ("), "{speed}");
         assert!(!speed.contains("mass"), "{speed}");
+        let height = reason(&design, &Reject::Height(HeightError::OutOfRange { height_m: 0.5 }));
+        let range = format!("({:.2} to {:.2} m", design.least_height_m, design.greatest_height_m);
+        assert!(height.starts_with("height 0.50 m is") && height.contains(&range), "{height}");
         assert!(of(55.0, 90e3).contains("m/s), and trailer mass 90000 kg"));
         assert_eq!(reason(&design, &Reject::Absent), Reject::<f64>::Absent.to_string());
     }

@@ -19,11 +19,13 @@ pub struct RoadPart {
     least_m: [f64; CHANNELS],
     /// Whether a roll angle was relative to gravity.
     to_gravity: bool,
+    /// Whether the bank is part of any uncertainty, as that of a roll angle beside sensors that do not feel it.
+    has_bank: bool,
 }
 
 impl Default for RoadPart {
     fn default() -> Self {
-        Self { least_m: [f64::INFINITY; CHANNELS], to_gravity: false }
+        Self { least_m: [f64::INFINITY; CHANNELS], to_gravity: false, has_bank: false }
     }
 }
 
@@ -39,6 +41,7 @@ impl RoadPart {
     pub fn push(&mut self, maneuver: &Maneuver<f64>) {
         self.to_gravity |= maneuver.to_gravity;
         for (least_m, outcome) in self.least_m.iter_mut().zip(&maneuver.outcomes) {
+            self.has_bank |= outcome.road_sd_m > 0.0;
             if outcome.height_m.is_ok() {
                 *least_m = least_m.min(outcome.road_sd_m);
             }
@@ -48,7 +51,7 @@ impl RoadPart {
     /// Whether the bank of the road is unknown and changes a roll angle.
     pub fn is_unknown(&self, road: Option<RoadChoice>) -> bool {
         let known = road.is_some_and(|road| road.bank_sd_rad <= 0.0);
-        !known && (road.is_some() || self.to_gravity)
+        !known && (road.is_some() || self.to_gravity || self.has_bank)
     }
 
     /// That roads count as flat because nothing else was said, in a drive with this number of turns. The bank that all

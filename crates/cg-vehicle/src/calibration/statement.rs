@@ -38,7 +38,7 @@ fn what_was_determined(parameter: &[ParameterEntry]) -> Vec<String> {
             .filter(|entry| entry.prior_sd > 0.0 && wanted(entry.determined))
             .map(|entry| entry.name.words())
             .collect();
-        let list = if words.is_empty() { "none".to_owned() } else { words.join(", ") };
+        let list = if words.is_empty() { "none".to_owned() } else { words.join("; ") };
         format!("{title}: {list}")
     };
     vec![
