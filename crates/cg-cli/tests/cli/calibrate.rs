@@ -435,6 +435,10 @@ fn one_channel_of_a_log_with_several_is_enough() {
         let name = |channel: &str| channel.split('"').nth(1).unwrap().to_owned();
         channels.map(name).collect::<Vec<_>>()
     };
+    // Beside pairs that do not feel the bank the roads count as public.
+    let file = scratch.path("public.toml");
+    let given = ["calibrate", "--vehicle", &truck, "--run", &(log.clone() + "=empty"), "-o", &file];
+    assert!(!cg(&given).done().out.contains("count as flat"));
     assert_eq!(of_channels(&[]).len(), 4);
     assert_eq!(of_channels(&["--channel", "suspension"]), ["suspension"]);
     let other_words = ["--channel", "tractor-suspension", "--procedure", "posterior"];

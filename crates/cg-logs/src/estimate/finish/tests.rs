@@ -1,4 +1,4 @@
-use cg_core::{AlignSettings, CHANNELS, HeightError, Sample};
+use cg_core::{AlignSettings, CHANNELS, HeightError, Inconsistency, Sample};
 
 use super::*;
 use crate::estimate::options::EstimateOptions;
@@ -191,10 +191,15 @@ fn without_a_height_the_remark_stands_before_the_reason() {
 
 #[test]
 fn the_reason_comes_from_a_channel_whose_signal_is_present() {
+    let design = design();
+    let range = format!("{:.2} to {:.2} m", design.least_height_m, design.greatest_height_m);
+    let too_high = format!(
+        "height 5.00 m is outside the physical range ({range} by [height] in the vehicle file)"
+    );
     for (heights, reason) in [
         ([ABSENT, IMPRECISE], "the ratio is uncertain by 50 %"),
         ([IMPRECISE, ABSENT], "the ratio is uncertain by 50 %"),
-        ([IMPRECISE, TOO_HIGH], "height 5.00 m is outside the physical range"),
+        ([IMPRECISE, TOO_HIGH], too_high.as_str()),
         ([ABSENT, ABSENT], "the signal is absent"),
     ] {
         let estimate = one(quiet(), heights).finish();
@@ -207,6 +212,18 @@ fn the_reason_comes_from_a_channel_whose_signal_is_present() {
     let estimate = empty.finish();
     assert!(estimate.messages[0].starts_with("rejected: unexcited"), "{:?}", estimate.messages);
     assert_eq!(estimate.channels[0].reason.as_deref(), Some("no maneuver"));
+}
+
+/// An empty trailer hardly rolls beside what the nominal load would.
+#[test]
+fn a_roll_angle_that_stands_still_may_be_that_of_a_lighter_trailer() {
+    let still = Err(Reject::Inconsistent(Inconsistency::Standstill { roll_rad: 0.005 }));
+    for (trailer_mass_kg, is_told) in [(None, true), (Some(20_000.0), false)] {
+        let options = EstimateOptions { trailer_mass_kg, ..quiet() };
+        let told = one(options, [still, ABSENT]).finish().messages;
+        let lighter = |message: &String| message.contains("; or the trailer is much lighter than ");
+        assert_eq!(told.iter().any(lighter), is_told, "{told:?}");
+    }
 }
 
 #[test]
