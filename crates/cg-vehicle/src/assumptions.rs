@@ -76,7 +76,7 @@ impl Assumption {
             key: LIFT,
             note: format!(
                 "none of the {axles} axles has it, so none can be raised. With one raised, heights of loads are 12 to 41 % too \
-                 great, and no message tells it. Give it to an axle that can be"
+                 great, and no message tells it. If an axle can be raised, give it lift_m"
             ),
         });
         let of_slopes = Self::of_slopes(vehicle);

@@ -71,8 +71,8 @@ pub(super) fn advice(
         )
     } else {
         format!(
-            "another run would help most with a trailer of {:.1} t: now the ratio is known to {:.1} % at \
-             {least_certain}, then to {:.1} % or better at all loads",
+            "another run would help most with a trailer of {:.1} t: the ratio is now known to {:.1} % at {least_certain}, where it is \
+             least certain, and would then be known to {:.1} % or better at all loads",
             best.1.trailer_mass_kg / 1e3,
             100.0 * now,
             100.0 * best.0,
