@@ -7,8 +7,9 @@
 use cg_core::{Quantity, Sample};
 use serde::{Deserialize, Serialize};
 
-/// Time for which a value is the same, s. Coarse sensors repeat their values for some seconds.
-const HELD_S: f64 = 10.0;
+/// Time for which a value is the same, s. Coarse sensors repeat their values for some seconds, also while the bank of a straight
+/// road changes.
+const HELD_S: f64 = 30.0;
 /// Time over which the roll angle is smoothed, s. Noise of a tenth of a turn leaves a tenth of a degree of it.
 const SMOOTH_S: f64 = 1.0;
 /// Time between two samples after which the count begins again, s.
@@ -144,19 +145,19 @@ mod tests {
     fn a_value_that_does_not_change_in_turns_is_told_until_it_does() {
         let until =
             |frozen_s: f64| move |time_s: f64| if time_s < frozen_s { 0.25 } else { time_s };
-        let (frozen, news) = after(12, 0.02, until(99.0));
+        let (frozen, news) = after(32, 0.02, until(99.0));
         assert_eq!(news, 1);
         assert!(
             frozen
                 .message()
                 .unwrap()
-                .starts_with("lateral_acceleration has been 0.250 m/s² for 12 s")
+                .starts_with("lateral_acceleration has been 0.250 m/s² for 32 s")
         );
-        let (thawed, news) = after(14, 0.02, until(12.0));
+        let (thawed, news) = after(34, 0.02, until(32.0));
         assert_eq!((thawed.message(), news), (None, 2));
         // One that moves, one of a truck that drives straight on, and one that is not there.
-        assert_eq!(after(30, 0.02, |time_s| 1e-9 * time_s).0.message(), None);
-        assert_eq!(after(30, 0.003, |_| 0.0).0.message(), None);
-        assert_eq!(after(30, 0.02, |_| f64::NAN).0.message(), None);
+        assert_eq!(after(50, 0.02, |time_s| 1e-9 * time_s).0.message(), None);
+        assert_eq!(after(50, 0.003, |_| 0.0).0.message(), None);
+        assert_eq!(after(50, 0.02, |_| f64::NAN).0.message(), None);
     }
 }
