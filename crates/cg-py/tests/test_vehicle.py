@@ -48,7 +48,7 @@ def test_the_example_of_the_page_writes_a_vehicle_file(tmp_path, monkeypatch):
     page = (FIXTURES.parent / "docs" / "vehicle.md").read_text()
     monkeypatch.chdir(tmp_path)
     exec(page.split("```python\n")[1].split("```")[0], {})
-    truck = cgheight.Vehicle.load("truck.toml")
+    truck = cgheight.Vehicle.load("truck-7.toml")
     assert truck.name == "truck 7"
     assert truck.empty_trailer_mass_kg == 4800.0 + 3 * 750.0
 

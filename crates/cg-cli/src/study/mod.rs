@@ -62,7 +62,8 @@ pub(crate) fn run(arguments: &StudyArgs, files: Files) -> anyhow::Result<Outcome
         (name, vehicle) => study(name, vehicle.as_ref())?,
     };
     let files = write(&study, folder, &targets)?;
-    print(&mut std::io::stdout().lock(), &study, &files)
+    let study = (&study, arguments.vehicle.is_none());
+    print(&mut std::io::stdout().lock(), study, &files)
         .context("standard output: cannot be written")?;
     Ok(Outcome::Done)
 }
@@ -171,11 +172,13 @@ fn number(value: f64) -> String {
     text.trim_end_matches('0').trim_end_matches('.').replace('-', "−")
 }
 
-fn verdict(statement: &Statement) -> String {
-    match statement.verdict() {
-        Verdict::Same => format!("same: {}", number(statement.measured)),
-        other => format!("{other}: {}, because {}", number(statement.measured), statement.because),
+/// The verdict on a statement; why it differs is known of the vehicles of the thesis.
+fn verdict(statement: &Statement, is_of_thesis: bool) -> String {
+    let (found, measured) = (statement.verdict(), number(statement.measured));
+    if found == Verdict::Same || !is_of_thesis {
+        return format!("{found}: {measured}");
     }
+    format!("{found}: {measured}, because {}", statement.because)
 }
 
 /// The last component of a path.
@@ -184,14 +187,18 @@ fn file_name(path: &Path) -> String {
 }
 
 /// Prints the finding, and each statement of the thesis next to the computed result.
-fn print(out: &mut impl Write, study: &Study, files: &[String; 2]) -> std::io::Result<()> {
+fn print(
+    out: &mut impl Write,
+    (study, is_of_thesis): (&Study, bool),
+    files: &[String; 2],
+) -> std::io::Result<()> {
     let mut table = Table::new();
     table.load_preset(NOTHING);
     table.set_content_arrangement(ContentArrangement::Dynamic).set_width(WIDTH);
     table.set_header(["", "thesis", "ours", "the same if", "verdict"]);
     for statement in &study.statements {
         let range = criterion(statement);
-        let verdict = verdict(statement);
+        let verdict = verdict(statement, is_of_thesis);
         table.add_row([statement.place, statement.thesis, &statement.ours, &range, &verdict]);
     }
     writeln!(out, "{}.", study.finding)?;

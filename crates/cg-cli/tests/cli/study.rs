@@ -47,6 +47,15 @@ fn all_studies_are_listed_with_a_sentence_and_their_figures() {
     }
 }
 
+/// The causes are those of the vehicles of the thesis.
+#[test]
+fn a_verdict_on_another_vehicle_has_no_cause() {
+    let scratch = Scratch::new();
+    let [folder, vehicle] = [scratch.path(""), fixture("vehicles/kraz.toml")];
+    let told = study(&[SHORT, "--vehicle", &vehicle, "-o", &folder]).done().out;
+    assert!(told.contains("differs: ") && !told.contains("because"), "{told}");
+}
+
 #[test]
 fn an_unknown_study_is_refused_with_the_names_there_are() {
     let scratch = Scratch::new();

@@ -156,8 +156,8 @@ impl Leaning {
         };
         Some(format!(
             "in straight driving the {name} is {:.1} degrees: its sensor has that offset, or the load stands \
-             about {beside_m:.1} m to the {heavy}. {because} at a smaller lateral acceleration than is stated. The \
-             intervals contain both cases",
+             about {beside_m:.1} m to the {heavy}, or the road is banked. {because} at a smaller lateral acceleration than is \
+             stated. The intervals contain the first two cases",
             angle_rad.to_degrees(),
         ))
     }
