@@ -101,8 +101,8 @@ impl Vehicle {
         learned: Option<&Belief>,
         options: EstimateOptions,
     ) -> Result<LogEstimator, VehicleError> {
-        let basis = self.calibration.as_ref().map(Basis::of);
-        let basis = basis.map(|basis| if learned.is_some() { basis.with_trips() } else { basis });
+        let basis = |calibration| Basis::of(calibration).with_trips(learned.is_some());
+        let basis = self.calibration.as_ref().map(basis);
         let options = EstimateOptions { basis, lift_axle: self.lift_axle, ..options };
         if let Some(belief) = learned {
             return LogEstimator::of_truck(&self.file, belief, options);

@@ -109,7 +109,7 @@ pub(crate) fn run(arguments: &RunArgs, files: Files) -> anyhow::Result<Outcome> 
     let start =
         state.as_mut().map(|state| learned(arguments, (&vehicle, calibration.as_ref()), state));
     let trips = start.as_ref().and_then(|start| start.belief.clone());
-    let basis = basis.map(|basis| if trips.is_some() { basis.with_trips() } else { basis });
+    let basis = basis.map(|basis| basis.with_trips(trips.is_some()));
     let belief = trips.unwrap_or(belief);
     let lines: LineWriter<Stdout> = LineWriter::new(io::stdout());
     let mut outputs = Outputs::new(lines, state, metrics, None);

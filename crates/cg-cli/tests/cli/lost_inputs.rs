@@ -4,6 +4,10 @@ use serde_json::Value;
 
 use crate::common::{Scratch, cg, kraz};
 
+/// A log without a yaw rate and a steer angle.
+const LATERAL: [&str; 5] =
+    ["time_s", "roll_rad", "lateral_acceleration_mps2", "speed_mps", "trailer_mass_kg"];
+
 /// A drive of a laden truck, 2.0 m, with these columns. `change` changes the value of a column at a time, s, or leaves it out.
 fn drive(
     scratch: &Scratch,
@@ -78,9 +82,7 @@ fn a_lost_speed_is_not_kept() {
 #[test]
 fn a_frozen_lateral_acceleration_is_told() {
     let scratch = Scratch::new();
-    let columns =
-        ["time_s", "roll_rad", "lateral_acceleration_mps2", "speed_mps", "trailer_mass_kg"];
-    let frozen = drive(&scratch, &columns, |name, time_s, value| {
+    let frozen = drive(&scratch, &LATERAL, |name, time_s, value| {
         Some(if name == "lateral_acceleration_mps2" && time_s > 150.0 { 0.02 } else { value })
     });
     let events = run(&frozen);
@@ -90,7 +92,7 @@ fn a_frozen_lateral_acceleration_is_told() {
         "{told:?}"
     );
     assert_eq!(last_status(&events)["status"], "inconsistent");
-    let moving = run(&drive(&scratch, &columns, |_, _, value| Some(value)));
+    let moving = run(&drive(&scratch, &LATERAL, |_, _, value| Some(value)));
     assert_eq!(notices(&moving, "channels"), [""; 0]);
 }
 
@@ -98,9 +100,7 @@ fn a_frozen_lateral_acceleration_is_told() {
 #[test]
 fn turns_that_are_impossible_from_the_first_one_on_are_told() {
     let scratch = Scratch::new();
-    let columns =
-        ["time_s", "roll_rad", "lateral_acceleration_mps2", "speed_mps", "trailer_mass_kg"];
-    let half = drive(&scratch, &columns, |name, _, value| {
+    let half = drive(&scratch, &LATERAL, |name, _, value| {
         Some(if name == "trailer_mass_kg" { 0.5 * value } else { value })
     });
     let events = run(&half);

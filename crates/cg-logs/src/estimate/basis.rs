@@ -29,10 +29,10 @@ impl Basis {
         Self { judgment: calibration.judgment(), day }
     }
 
-    /// The same with later trips, whose uncertainty contains the time since the last of them.
+    /// The same if later trips are used, whose uncertainty contains the time since the last of them.
     #[must_use]
-    pub fn with_trips(self) -> Self {
-        Self { day: None, ..self }
+    pub fn with_trips(self, are_used: bool) -> Self {
+        Self { day: self.day.filter(|_| !are_used), ..self }
     }
 
     /// What is said of it in a log at the time `time_s`, s, if that is Unix time.
@@ -70,6 +70,7 @@ mod tests {
         // A log of before the calibration, one with a clock of its own, and a truck that has learned since.
         assert_eq!(after(basis, -200.0), None);
         assert_eq!(basis.age_message(120.0), None);
-        assert_eq!(after(basis.with_trips(), 200.0), None);
+        assert_eq!(after(basis.with_trips(true), 200.0), None);
+        assert_eq!(basis.with_trips(false), basis);
     }
 }

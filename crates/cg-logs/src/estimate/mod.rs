@@ -2,6 +2,7 @@
 //!
 //! | file | what |
 //! |---|---|
+//! | `basis` | the calibration on which a height rests, and its age |
 //! | `options` | options of the estimate |
 //! | `known` | speed and trailer mass that replace those of the log: what they may be |
 //! | `positions` | the truck with its lift axles down and raised |
@@ -11,11 +12,12 @@
 //! | `agreement` | whether they agree at present, and specific forces with them |
 //! | `pair` | two signals compared |
 //! | `rolls` | whether two roll sensors agree |
-//! | `levels` | whether level sensors stand still |
+//! | `levels`, `pressures` | whether level sensors stand still, and pressures belong together |
 //! | `values` | whether values are missing samples, or in steps as large as the signal |
 //! | `near_zero` | whether a signal has a dead band |
 //! | `range_end` | whether a signal is cut off at the end of a range |
 //! | `seldom` | whether an input is sampled too seldom for its motion |
+//! | `frozen` | whether an input repeats one value while the truck rolls |
 //! | `forces` | whether a specific force contains gravity |
 //! | `sensors` | these checks together |
 //! | `leaning` | whether the trailer leans in straight driving |
@@ -33,7 +35,7 @@
 //! | `reason` | why a maneuver has no height |
 //! | `unheard` | turns without a height, one after the other |
 //! | `means` | means of neighboring samples |
-//! | `row_sample` | the sample of a row, and which signals a log has |
+//! | `row_sample`, `speed_age` | the sample of a row, and which signals a log has; rows whose last speed is too old |
 //! | `intake` | processing of the rows |
 //! | `closing`, `kept` | the end of a maneuver, and what is kept of it |
 //! | `mass` | mass and speed in the turns of a log |

@@ -82,6 +82,27 @@ fn a_roll_sensor_that_dies_is_told_after_three_turns() {
     assert!(event["message"].as_str().unwrap().starts_with("the last 3 turns gave no height"));
 }
 
+/// Single rows may lack a roll angle; after half a second without one there are no signals.
+#[test]
+fn a_single_row_without_a_roll_angle_changes_no_state() {
+    let mut session = session(None, 0.0);
+    let mut drive = |from_us: u64, rows: u64, roll_rad: f64| {
+        for k in 0..rows {
+            let sample = Sample { roll_rad, ..sample(from_us + k * 10_000) };
+            session.tick(0.0, sample.time_us);
+            session.push(sample).unwrap();
+        }
+        let states = events(&mut session).into_iter().filter(|event| event["event"] == "state");
+        states.map(|event| event["state"].as_str().unwrap().to_owned()).collect::<Vec<_>>()
+    };
+    assert_eq!(drive(0, 200, 0.0), ["straight"]);
+    assert_eq!(drive(2_000_000, 1, f64::NAN), [""; 0]);
+    assert_eq!(drive(2_010_000, 100, 0.0), [""; 0]);
+    assert_eq!(drive(3_010_000, 45, f64::NAN), [""; 0]);
+    assert_eq!(drive(3_460_000, 10, f64::NAN), ["no signals"]);
+    assert_eq!(drive(3_560_000, 100, 0.0), ["straight"]);
+}
+
 /// The noise of a roll rate whose integral is the roll angle is in the interval, as in `cg estimate`.
 #[test]
 fn the_noise_of_a_roll_rate_widens_the_interval() {
