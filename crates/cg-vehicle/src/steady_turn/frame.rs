@@ -1,5 +1,6 @@
 //! The front half of a trailer whose frame twists, eliminated from the equations of the roll plane.
 
+use super::support::Held;
 use crate::error::VehicleError;
 use crate::load::Load;
 use crate::twisting::{Part, Twisting};
@@ -51,12 +52,14 @@ impl Frame {
         let frame_nm = frame * (at.roll_rad - at.rear_rad);
         let lifted_nm = self.front_n * at.above_m;
         let held_nm = at.cos * fifth + frame_nm;
-        let front =
-            [lifted_nm, at.cos * fifth_slope, lifted_nm * (at.alpha + at.roll_rad) - held_nm];
-        trailer[0] -= front[0];
-        trailer[1] -= front[1];
-        trailer[2] -= lifted_nm * (at.alpha + at.rear_rad) - held_nm;
-        let stiffness = at.cos * at.cos * fifth_slope + frame - lifted_nm;
+        let lifted = Held { side_nm: lifted_nm, weight_nm: lifted_nm };
+        let [by_alpha, _, moment_nm] = lifted.moment(at.alpha, at.rear_rad);
+        trailer[0] -= by_alpha;
+        trailer[1] -= at.cos * fifth_slope;
+        trailer[2] -= moment_nm - held_nm;
+        let [by_alpha, by_roll, moment_nm] = lifted.moment(at.alpha, at.roll_rad);
+        let front = [by_alpha, at.cos * fifth_slope, moment_nm - held_nm];
+        let stiffness = at.cos * at.cos * fifth_slope + frame - by_roll;
         let step = front.map(|by| by / stiffness);
         for k in 0..3 {
             trailer[k] += frame * step[k];

@@ -71,8 +71,7 @@ impl RollPlane<'_> {
     }
 
     /// The state of the greatest lateral acceleration in steps of this size from a state to a roll angle,
-    /// after the state one step before it. The path ends earlier if the vehicle tips or slides, or if all inner
-    /// wheels but those of steered axles have lifted.
+    /// after the state one step before it. The path ends earlier if the vehicle tips or slides.
     fn greatest(&self, cg_height_m: f64, step_rad: f64, start: Point, end_rad: f64) -> [Point; 2] {
         let (mut to_rad, mut missing) = (start.roll_rad, 0);
         let mut point = start.clone();
@@ -81,7 +80,6 @@ impl RollPlane<'_> {
             && missing <= JUMP
             && point.alpha >= FALLEN * greatest.alpha
             && !point.slides
-            && !self.lifted(&point)
         {
             let last = point.clone();
             to_rad += step_rad;
@@ -92,15 +90,6 @@ impl RollPlane<'_> {
             }
         }
         [before, greatest]
-    }
-
-    /// Whether all inner wheels but those of steered axles have lifted.
-    fn lifted(&self, point: &Point) -> bool {
-        self.axles.iter().zip(&point.axles_rad).zip(&point.axle_load_n).all(
-            |((axle, roll_rad), &load_n)| {
-                axle.steered || axle.tyres.inner_lifted(load_n, roll_rad / self.compliance)
-            },
-        )
     }
 
     /// Moves to a larger roll angle of the trailer; whether there is a state. Where none is found (springs
@@ -140,6 +129,8 @@ impl RollPlane<'_> {
             }
             before = point.alpha;
             self.shift(point, &mut standing);
+            self.rise(point);
+            self.link(point);
             if !self.turn_on(round >= UNDAMPED, point) {
                 return Err(Unsolved::Turn);
             }
@@ -166,7 +157,7 @@ mod tests {
                 let trailer_mass_kg = vehicle.empty_trailer_mass_kg() + payload_kg;
                 let load = Load { trailer_mass_kg, ..vehicle.reference_load() };
                 let vehicle = &*vehicle.with_springs_at(load).unwrap();
-                for kmh in [30.0, 40.0, 90.0] {
+                for kmh in [30.0, 40.0, 90.0, 180.0] {
                     let plane = RollPlane::new(vehicle, load, kmh / 3.6, 1.0).unwrap();
                     for cg_height_m in [1.2, 1.7, 2.3] {
                         let found = plane.threshold_g(cg_height_m);

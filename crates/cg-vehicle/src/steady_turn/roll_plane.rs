@@ -5,12 +5,14 @@
 //! trailer in g and `γ` the articulation:
 //!
 //! ```text
-//!     trailer   A2 α + B2 φ2 = Σ Ms + M5 cos γ        A, S: lateral forces per α times their heights
-//!     tractor   A1 α + B1 φ1 = Σ Ms − M5                    above the points that support them
-//!     axle      Ms + S α + C φu = Mt(φu)              B, C: the same with weights
+//!     trailer   A2 α cos φ2 + B2 sin φ2 = Σ Ms + M5 cos γ     A, S: lateral forces per α times their heights
+//!     tractor   A1 α cos φ1 + B1 sin φ1 = Σ Ms − M5                 above the points that support them
+//!     axle      Ms + S α + C φu = Mt(φu)                      B, C: the same with weights
 //!     springs   Ms of a load group from the mean roll angle of the body relative to its axles
 //! ```
 //!
+//! An axle whose inner wheels have left the road turns about the outer ones and rises, and `S` and `C` contain the rise: it
+//! takes 3 % from the threshold of a light load on soft springs, whose trailer has lifted long before the tractor tips.
 //! `Ms` includes spring curves with friction, `Mt` wheels that lift, and `M5 (φ2 cos γ − φ1)`
 //! plates that separate. Of a trailer whose frame twists, the front half stands on the fifth wheel and the
 //! rear half on the axles; `φ2` is then the roll angle of the rear half, and the front half is eliminated
@@ -25,7 +27,7 @@
 //! diagram of moment over roll angle, whose corners are computed here).
 
 use super::frame::{Frame, Front};
-use super::support::{Springs, Tyres};
+use super::support::{Held, Springs, Tyres};
 use super::yaw_plane::{Drift, Sides, Standing, Turn};
 use crate::balance::{Give, StaticBalance, balance_on, static_balance};
 use crate::characteristics::FifthWheel;
@@ -44,7 +46,7 @@ const FIRST: f64 = 0.01;
 
 pub(super) struct Axle {
     on_trailer: bool,
-    pub(super) steered: bool,
+    steered: bool,
     half_spread_m: f64,
     auxiliary_nm_per_rad: f64,
     pub(super) tyres: Tyres,
@@ -89,6 +91,10 @@ pub(super) struct Point {
     front_rad: f64,
     pub(super) axles_rad: Vec<f64>,
     pub(super) axle_load_n: Vec<f64>,
+    /// How far the body has risen at each axle, and the load that its links have moved to it from the axles that share its
+    /// springs.
+    risen_m: Vec<f64>,
+    linked_n: Vec<f64>,
     hitch_load_n: f64,
     pub(super) sides: Sides,
     drift: Drift,
@@ -96,14 +102,15 @@ pub(super) struct Point {
     pub(super) slides: bool,
 }
 
+impl Point {
+    /// The load of an axle.
+    fn load_n(&self, i: usize) -> f64 {
+        self.axle_load_n[i] + self.linked_n[i]
+    }
+}
+
 /// Deflections of the tires, and the loads that follow from them.
 pub(super) type Stood = (Vec<Give>, StaticBalance);
-
-/// Moments of a body about the points that support it: per `α` and per roll angle.
-struct Held {
-    side_nm: f64,
-    weight_nm: f64,
-}
 
 /// The linearized equation of an axle: its stiffness, its residual, and its moment per `α`.
 struct Follows {
@@ -164,6 +171,8 @@ impl<'a> RollPlane<'a> {
             front_rad: 0.0,
             axles_rad: vec![0.0; self.axles.len()],
             axle_load_n: self.balance.axle_load_n.clone(),
+            risen_m: vec![0.0; self.axles.len()],
+            linked_n: vec![0.0; self.axles.len()],
             hitch_load_n: self.balance.hitch_load_n,
             sides: Sides::default(),
             drift: Drift::default(),
@@ -183,7 +192,7 @@ impl<'a> RollPlane<'a> {
             .map(|(i, axle)| Standing {
                 loads_n: axle
                     .tyres
-                    .loads_n(point.axle_load_n[i], point.axles_rad[i] / self.compliance)
+                    .loads_n(point.load_n(i), point.axles_rad[i] / self.compliance)
                     .filter(|load_n| *load_n > 0.0)
                     .collect(),
                 lean_rad: if axle.on_trailer { point.roll_rad } else { point.tractor_rad }
@@ -191,7 +200,11 @@ impl<'a> RollPlane<'a> {
             })
             .collect();
         let mut drift = point.drift;
-        let found = self.turn.sides(point.alpha.max(FIRST), &standing, &mut drift);
+        let alpha = point.alpha.max(FIRST);
+        let found = self.turn.sides(alpha, &standing, &mut drift).or_else(|| {
+            drift = Drift::default();
+            self.turn.sides_in_steps(alpha, &standing, &mut drift)
+        });
         let holds = found.is_some();
         if let Some(sides) = found {
             point.drift = drift;
@@ -215,7 +228,7 @@ impl<'a> RollPlane<'a> {
         let gives: Vec<_> = (0..self.axles.len())
             .map(|i| {
                 let angle_rad = point.axles_rad[i] / self.compliance;
-                self.axles[i].tyres.give(point.axle_load_n[i], angle_rad)
+                self.axles[i].tyres.give(point.load_n(i), angle_rad)
             })
             .collect();
         // As long as no wheel lifts, the loads remain those of the last step.
@@ -226,6 +239,53 @@ impl<'a> RollPlane<'a> {
             point.hitch_load_n = 0.5 * (point.hitch_load_n + balance.hitch_load_n);
             for (load_n, found_n) in point.axle_load_n.iter_mut().zip(&balance.axle_load_n) {
                 *load_n = 0.5 * (*load_n + found_n);
+            }
+        }
+    }
+
+    /// Raises the bodies with their axles and on their springs. The roll centers belong to the body, which rises by the mean of
+    /// the axles that are close together.
+    pub(super) fn rise(&self, point: &mut Point) {
+        let mut risen_m = vec![0.0; self.axles.len()];
+        for group in &self.groups {
+            let springs_m = group.springs.rise_m(self.apart_m(group, point));
+            for &i in &group.axles {
+                let angle_rad = point.axles_rad[i] / self.compliance;
+                let (tyres_m, _) = self.axles[i].tyres.rise(point.load_n(i), angle_rad);
+                risen_m[i] = self.compliance * (tyres_m + springs_m);
+            }
+        }
+        let place = |i: usize| (self.axles[i].on_trailer, self.axles[i].steered);
+        let all = 0..self.axles.len();
+        let near = |i: usize| all.clone().filter(move |&k| place(k) == place(i));
+        point.risen_m = all.clone().map(|i| mean(near(i).map(|k| risen_m[k]))).collect();
+    }
+
+    /// Half the difference of the compressions of a group's springs.
+    fn apart_m(&self, group: &Group, point: &Point) -> f64 {
+        let of = |&i: &usize| self.axles[i].half_spread_m * libm::sin(self.lean_rad(i, point));
+        mean(group.axles.iter().map(of)) / self.compliance
+    }
+
+    /// Roll angle of the body minus that of an axle.
+    fn lean_rad(&self, i: usize, point: &Point) -> f64 {
+        let body_rad = if self.axles[i].on_trailer { point.roll_rad } else { point.tractor_rad };
+        body_rad - point.axles_rad[i]
+    }
+
+    /// Moves load between axles that share their springs. The springs press all of them equally, along the axis of each, and a
+    /// link takes its lateral force along the axle: one that leans more is pressed down.
+    pub(super) fn link(&self, point: &mut Point) {
+        for group in self.groups.iter().filter(|group| group.axles.len() > 1) {
+            let by_link_n = |i: usize| {
+                let (sin, cos) = libm::sincos(point.axles_rad[i]);
+                let carried_n = point.axle_load_n[i] - self.axles[i].own_n;
+                point.alpha * point.sides.axle_n[i] * sin - carried_n * (1.0 - cos)
+            };
+            let mean_n = mean(group.axles.iter().map(|&i| by_link_n(i)));
+            let linked_n: Vec<f64> = group.axles.iter().map(|&i| by_link_n(i) - mean_n).collect();
+            for (&i, n) in group.axles.iter().zip(linked_n) {
+                point.linked_n[i] = f64::midpoint(point.linked_n[i], n);
             }
         }
     }
@@ -278,16 +338,10 @@ impl<'a> RollPlane<'a> {
             let on_hitch_rad = if self.frame.is_some() { point.front_rad } else { roll_rad };
             let (fifth, fifth_slope) = self.fifth_wheel(on_hitch_rad * cos - point.tractor_rad);
             // Columns: derivatives with respect to α and φ1, and the residual.
-            let mut trailer = [
-                of_trailer.side_nm,
-                cos * fifth_slope,
-                of_trailer.side_nm * point.alpha + of_trailer.weight_nm * roll_rad - cos * fifth,
-            ];
-            let mut tractor = [
-                of_tractor.side_nm,
-                of_tractor.weight_nm - fifth_slope,
-                of_tractor.side_nm * point.alpha + of_tractor.weight_nm * point.tractor_rad + fifth,
-            ];
+            let [by_alpha, _, moment_nm] = of_trailer.moment(point.alpha, roll_rad);
+            let mut trailer = [by_alpha, cos * fifth_slope, moment_nm - cos * fifth];
+            let [by_alpha, by_roll, moment_nm] = of_tractor.moment(point.alpha, point.tractor_rad);
+            let mut tractor = [by_alpha, by_roll - fifth_slope, moment_nm + fifth];
             let front = self.frame.as_ref().map_or([0.0; 3], |frame| {
                 let at = Front {
                     alpha: point.alpha,
@@ -303,9 +357,8 @@ impl<'a> RollPlane<'a> {
             let mut steps = vec![[0.0; 3]; self.axles.len()];
             for group in &self.groups {
                 let on_trailer = self.axles[group.axles[0]].on_trailer;
-                let (body_rad, moves) =
-                    if on_trailer { (roll_rad, 0.0) } else { (point.tractor_rad, 1.0) };
-                let (found, springs_nm) = self.group(group, body_rad, point, &mut steps);
+                let moves = if on_trailer { 0.0 } else { 1.0 };
+                let (found, springs_nm) = self.group(group, point, &mut steps);
                 let unit = if on_trailer { &mut trailer } else { &mut tractor };
                 unit[0] -= found[0];
                 unit[1] -= moves * found[1];
@@ -332,45 +385,27 @@ impl<'a> RollPlane<'a> {
     /// The Newton steps of a group's axles: per step of `α`, per step of the body's roll angle, and
     /// a constant part. Returns the same three parts of the moment on the body, and the moment
     /// itself.
-    fn group(
-        &self,
-        group: &Group,
-        body_rad: f64,
-        point: &Point,
-        steps: &mut [[f64; 3]],
-    ) -> ([f64; 3], f64) {
+    fn group(&self, group: &Group, point: &Point, steps: &mut [[f64; 3]]) -> ([f64; 3], f64) {
         let c = self.compliance;
         #[allow(clippy::cast_precision_loss)] // a few axles
         let share = 1.0 / group.axles.len() as f64;
-        let lean = |i: usize| (body_rad - point.axles_rad[i]) / c;
-        let apart_m: f64 =
-            group.axles.iter().map(|&i| share * self.axles[i].half_spread_m * lean(i)).sum();
-        let (force_n, slope) = group.springs.at(apart_m);
-        let follow = |i: usize| {
-            let axle = &self.axles[i];
-            let angle = point.axles_rad[i];
-            let load_n = point.axle_load_n[i];
-            let (tyres, tyre_slope) = axle.tyres.moment(load_n, angle / c);
-            let weight_nm = (load_n - axle.own_n) * axle.roll_center_m + axle.own_n * axle.center_m;
-            let side =
-                point.sides.axle_n[i] * axle.roll_center_m + point.sides.own_n[i] * axle.center_m;
-            let springs = axle.half_spread_m * force_n + axle.auxiliary_nm_per_rad * lean(i);
-            Follows {
-                stiffness: axle.auxiliary_nm_per_rad / c + tyre_slope / c - weight_nm,
-                residual: springs + side * point.alpha + weight_nm * angle - tyres,
-                side,
-            }
+        let lever_m = |i: usize| self.axles[i].half_spread_m * libm::cos(self.lean_rad(i, point));
+        let (force_n, slope) = group.springs.at(self.apart_m(group, point));
+        let springs_of = |i: usize| {
+            let auxiliary = self.axles[i].auxiliary_nm_per_rad / c;
+            lever_m(i) * force_n + auxiliary * self.lean_rad(i, point)
         };
+        let follow = |i: usize| self.follows(i, springs_of(i), point);
         // The step of the springs' compression: per α, per body roll and constant; and its feedback
         // on itself.
         let (mut moves, mut itself) = ([0.0; 3], 1.0);
         for &i in &group.axles {
             let (axle, f) = (&self.axles[i], follow(i));
-            let weight = share * axle.half_spread_m / c;
+            let weight = share * lever_m(i) / c;
             moves[0] -= weight * f.side / f.stiffness;
             moves[1] += weight * (1.0 - axle.auxiliary_nm_per_rad / c / f.stiffness);
             moves[2] -= weight * f.residual / f.stiffness;
-            itself += weight * axle.half_spread_m * slope / f.stiffness;
+            itself += weight * lever_m(i) * slope / f.stiffness;
         }
         let moves = moves.map(|by| by / itself);
         let (mut on_body, mut springs_nm) = ([0.0; 3], 0.0);
@@ -379,20 +414,46 @@ impl<'a> RollPlane<'a> {
             let auxiliary = axle.auxiliary_nm_per_rad / c;
             let direct = [f.side, auxiliary, f.residual];
             for k in 0..3 {
-                let pressed = axle.half_spread_m * slope * moves[k];
+                let pressed = lever_m(i) * slope * moves[k];
                 steps[i][k] = (direct[k] + pressed) / f.stiffness;
                 on_body[k] += pressed - auxiliary * steps[i][k];
             }
             on_body[1] += auxiliary;
-            springs_nm += axle.half_spread_m * force_n + axle.auxiliary_nm_per_rad * lean(i);
+            springs_nm += springs_of(i);
         }
         (on_body, springs_nm)
+    }
+
+    /// The equation of an axle on which the springs have this moment.
+    fn follows(&self, i: usize, springs_nm: f64, point: &Point) -> Follows {
+        let (axle, c) = (&self.axles[i], self.compliance);
+        let (angle_rad, load_n) = (point.axles_rad[i], point.load_n(i));
+        let (tyres_nm, tyre_slope) = axle.tyres.moment(load_n, angle_rad / c);
+        let (rise_m, rise_slope) = axle.tyres.rise(load_n, angle_rad / c);
+        let [axle_n, own_n] = [point.sides.axle_n[i], point.sides.own_n[i]];
+        let roll_center_m = axle.roll_center_m + point.risen_m[i];
+        let center_m = axle.center_m + c * rise_m;
+        let side = axle_n * roll_center_m + own_n * center_m;
+        let weight_nm = (load_n - axle.own_n) * roll_center_m + axle.own_n * center_m;
+        let rising = (own_n * point.alpha + axle.own_n * angle_rad) * rise_slope;
+        // The points of contact move outward with the tires, which lean.
+        let cos = libm::cos(angle_rad);
+        Follows {
+            stiffness: (axle.auxiliary_nm_per_rad + tyre_slope / cos) / c - weight_nm - rising,
+            residual: springs_nm + side * point.alpha + weight_nm * angle_rad - tyres_nm / cos,
+            side,
+        }
     }
 
     fn fifth_wheel(&self, angle_rad: f64) -> (f64, f64) {
         let at = |angle_rad: f64| self.hitch.moment_nm(angle_rad / self.compliance);
         (at(angle_rad), (at(angle_rad + 1e-6) - at(angle_rad)) / 1e-6)
     }
+}
+
+fn mean(values: impl Iterator<Item = f64>) -> f64 {
+    let (sum, count) = values.fold((0.0, 0.0), |(sum, count), value| (sum + value, count + 1.0));
+    sum / count
 }
 
 fn axle(vehicle: &Vehicle, placed: &PlacedAxle<'_>) -> Axle {

@@ -12,13 +12,35 @@ const INTERVALS: usize = 200;
 /// A step of Newton's method (m) below this is due to rounding and ends the iteration.
 const ROUNDING: f64 = 1e-12;
 
+/// Moments of a body about the points that support it: per `α` and per roll angle.
+pub(super) struct Held {
+    pub(super) side_nm: f64,
+    pub(super) weight_nm: f64,
+}
+
+impl Held {
+    /// The slopes of the moment over `α` and over the roll angle, and the moment.
+    pub(super) fn moment(&self, alpha: f64, roll_rad: f64) -> [f64; 3] {
+        let (sin, cos) = libm::sincos(roll_rad);
+        let side_nm = self.side_nm * alpha;
+        [
+            self.side_nm * cos,
+            self.weight_nm * cos - side_nm * sin,
+            side_nm * cos + self.weight_nm * sin,
+        ]
+    }
+}
+
 /// The pair of springs of an axle, or of the axles of a load group, which are compressed equally:
 /// outer minus inner force as a function of half the difference of their compressions, at a
 /// constant sum of both forces.
 pub(super) enum Springs {
     Linear(f64),
-    /// An odd function, linear between its nodes.
-    Measured(Vec<f64>),
+    /// An odd function, linear between its nodes, and how far the body rises meanwhile, an even one.
+    Measured {
+        difference_n: Vec<f64>,
+        rise_m: Vec<f64>,
+    },
 }
 
 impl Springs {
@@ -32,8 +54,9 @@ impl Springs {
             return Self::Linear(2.0 * sum / count);
         };
         let envelope = Envelope::new(spring);
-        let mut middle_m = envelope.deflection_at(0.5 * sprung_n);
-        let difference = |apart_m: f64| {
+        let at_rest_m = envelope.deflection_at(0.5 * sprung_n);
+        let mut middle_m = at_rest_m;
+        let pressed = |apart_m: f64| {
             let friction = 1.0 - libm::exp(-apart_m / spring.friction_deflection_m);
             let forces = |middle_m: f64| {
                 [friction, -friction].map(|share| {
@@ -51,26 +74,41 @@ impl Springs {
                 }
             }
             let [outer, inner] = forces(middle_m);
-            outer.0 - inner.0
+            (outer.0 - inner.0, at_rest_m - middle_m)
         };
-        Self::Measured((0..=INTERVALS).map(node_m).map(difference).collect())
+        let (difference_n, rise_m) = (0..=INTERVALS).map(node_m).map(pressed).unzip();
+        Self::Measured { difference_n, rise_m }
     }
 
     /// Force (N) and slope (N/m).
     pub(super) fn at(&self, apart_m: f64) -> (f64, f64) {
-        let nodes = match self {
-            Self::Linear(stiffness) => return (stiffness * apart_m, *stiffness),
-            Self::Measured(nodes) => nodes,
-        };
-        #[allow(clippy::cast_precision_loss)]
-        let place = INTERVALS as f64 * (apart_m.abs() / SPAN_M).sqrt();
-        // The index is in range, because the deflection is some tenths of a meter.
-        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
-        let k = (place as usize).min(INTERVALS - 1);
-        let slope = (nodes[k + 1] - nodes[k]) / (node_m(k + 1) - node_m(k));
-        let value = nodes[k] + slope * (apart_m.abs() - node_m(k));
-        (value.copysign(apart_m), slope)
+        match self {
+            Self::Linear(stiffness) => (stiffness * apart_m, *stiffness),
+            Self::Measured { difference_n, .. } => {
+                let (value, slope) = between(difference_n, apart_m.abs());
+                (value.copysign(apart_m), slope)
+            }
+        }
     }
+
+    /// How far the body rises, m: springs that get stiffer as they are pressed give way more on the inner side.
+    pub(super) fn rise_m(&self, apart_m: f64) -> f64 {
+        match self {
+            Self::Linear(_) => 0.0,
+            Self::Measured { rise_m, .. } => between(rise_m, apart_m.abs()).0,
+        }
+    }
+}
+
+/// Value and slope of a function that is linear between its nodes.
+fn between(nodes: &[f64], apart_m: f64) -> (f64, f64) {
+    #[allow(clippy::cast_precision_loss)]
+    let place = INTERVALS as f64 * (apart_m / SPAN_M).sqrt();
+    // The index is in range, because the deflection is some tenths of a meter.
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+    let k = (place as usize).min(INTERVALS - 1);
+    let slope = (nodes[k + 1] - nodes[k]) / (node_m(k + 1) - node_m(k));
+    (nodes[k] + slope * (apart_m - node_m(k)), slope)
 }
 
 fn node_m(k: usize) -> f64 {
@@ -115,11 +153,6 @@ impl Tyres {
         }
     }
 
-    /// Whether the inner side has left the road.
-    pub(super) fn inner_lifted(&self, load_n: f64, angle_rad: f64) -> bool {
-        self.standing(load_n, angle_rad).0 <= self.levers_m.len() / 2
-    }
-
     /// Load of each tire on the road.
     pub(super) fn loads_n(&self, load_n: f64, angle_rad: f64) -> impl Iterator<Item = f64> {
         let (count, pressed_m) = self.standing(load_n, angle_rad);
@@ -134,6 +167,16 @@ impl Tyres {
         let n = count as f64;
         let sum: f64 = self.levers_m[..count].iter().sum();
         Give { compliance_m_per_n: 1.0 / (n * self.stiffness_n_per_m), rise_m: angle_rad * sum / n }
+    }
+
+    /// How far the axle rises at a roll angle, m, and its slope over the angle: it turns about the tires that stay on the road,
+    /// which are pressed more.
+    pub(super) fn rise(&self, load_n: f64, angle_rad: f64) -> (f64, f64) {
+        let (count, pressed_m) = self.standing(load_n, angle_rad);
+        #[allow(clippy::cast_precision_loss)] // a few tires
+        let [n, all] = [count, self.levers_m.len()].map(|count| count as f64);
+        let sum: f64 = self.levers_m[..count].iter().sum();
+        (load_n / (all * self.stiffness_n_per_m) - pressed_m, sum / n)
     }
 
     /// Righting moment, and its slope over the roll angle of the axle.

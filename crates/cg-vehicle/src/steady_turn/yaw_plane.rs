@@ -29,6 +29,8 @@ const ROUNDING: f64 = 1e-9;
 /// this: where a turn exists, the changes become smaller from one to the next.
 const FOLLOWED: usize = 100;
 const FOLLOWED_RAD: f64 = 1e-3;
+/// Number of turns by way of which a tight one is found.
+const GENTLER: u32 = 8;
 /// Step of the velocity for a numerical derivative.
 const PROBE_MPS: f64 = 1e-4;
 
@@ -169,6 +171,21 @@ impl Turn {
             }
         }
         None
+    }
+
+    /// The same by way of gentler turns, each of which is found from the one before.
+    pub(super) fn sides_in_steps(
+        &self,
+        alpha: f64,
+        standing: &[Standing],
+        drift: &mut Drift,
+    ) -> Option<Sides> {
+        let step = alpha / f64::from(GENTLER);
+        let mut found = None;
+        for k in 1..=GENTLER {
+            found = Some(self.sides(step * f64::from(k), standing, drift)?);
+        }
+        found
     }
 
     /// The same with the articulation and the velocities of the last solution, which become those of this one.
