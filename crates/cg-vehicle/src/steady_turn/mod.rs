@@ -5,6 +5,7 @@
 //! | `roll_plane` | balance of moments at a roll angle, with wheels that lift | static equilibrium |
 //! | `path` | the threshold: the greatest lateral acceleration of all roll angles | roll plane, yaw plane |
 //! | `yaw_plane` | lateral forces in the turn and the articulation | steady yaw plane |
+//! | `suspension` | axles that share springs, eliminated from the roll plane | springs and tires |
 //! | `support` | springs and tires in the roll plane | vehicle file |
 //! | `frame` | the front half of a trailer whose frame twists | [`twisting`](crate::twisting) |
 //! | `half_track` | half track and unsprung mass for the static stability factor, the tightest turn | vehicle file, yaw plane |
@@ -28,6 +29,8 @@
 mod support;
 mod yaw_plane;
 mod frame;
+mod point;
+mod suspension;
 mod roll_plane;
 mod path;
 mod half_track;

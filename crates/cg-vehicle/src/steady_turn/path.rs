@@ -6,15 +6,18 @@
 //! the path does not depend on the steps before it. Large steps therefore find where the greatest lateral
 //! acceleration is, and small ones from there its value.
 
-use super::roll_plane::{Point, RollPlane};
+use super::point::Point;
+use super::roll_plane::RollPlane;
 
 /// First step (g) to the tightest turn.
 const TURN_G: f64 = 0.02;
 /// Steps of the trailer's roll angle that find the greatest lateral acceleration, and those that measure
-/// it. The measured ones miss the corner of the curve by half a step at most, which is 0.25 % of the
+/// it. The measured ones miss the corner of the curve by half a step at most, which is 0.13 % of the
 /// threshold of an empty truck, where the curve is steepest.
 const STEP_RAD: f64 = 8e-3;
-const FINE_RAD: f64 = 1e-3;
+const FINE_RAD: f64 = 5e-4;
+/// The steps around the greatest value that is known so far, in proportion to those that found it.
+const FINER: f64 = 0.25;
 /// Number of times that a step may be halved.
 const HALVINGS: u32 = 6;
 /// Roll angle at which the search ends, because any trailer has tipped by then.
@@ -65,8 +68,13 @@ impl RollPlane<'_> {
     /// The state at the threshold; `None` if the tires hold no turn at all.
     fn threshold_in_steps(&self, cg_height_m: f64, step_rad: f64, fine_rad: f64) -> Option<Point> {
         let start = self.start()?;
-        let [before, near] = self.greatest(cg_height_m, step_rad, start, END_RAD);
-        let [_, greatest] = self.greatest(cg_height_m, fine_rad, before, near.roll_rad + step_rad);
+        let [mut before, mut greatest] = self.greatest(cg_height_m, step_rad, start, END_RAD);
+        let mut around_rad = step_rad;
+        while around_rad > fine_rad {
+            let end_rad = greatest.roll_rad + around_rad;
+            around_rad *= FINER;
+            [before, greatest] = self.greatest(cg_height_m, around_rad, before, end_rad);
+        }
         Some(greatest)
     }
 
@@ -129,8 +137,7 @@ impl RollPlane<'_> {
             }
             before = point.alpha;
             self.shift(point, &mut standing);
-            self.rise(point);
-            self.link(point);
+            self.suspension.rise(point);
             if !self.turn_on(round >= UNDAMPED, point) {
                 return Err(Unsolved::Turn);
             }
@@ -163,7 +170,7 @@ mod tests {
                         let found = plane.threshold_g(cg_height_m);
                         let exact = plane.threshold_in_steps(cg_height_m, 2e-3, 1e-4).unwrap();
                         let is_tight = exact.alpha > 0.95 * plane.tightest_turn_g();
-                        let bound = if is_tight { 0.005 } else { 0.0025 };
+                        let bound = if is_tight { 0.0025 } else { 0.001_25 };
                         assert!(
                             (found / exact.alpha - 1.0).abs() < bound,
                             "{name} {load:?} {cg_height_m} m: {found} g, {} g",

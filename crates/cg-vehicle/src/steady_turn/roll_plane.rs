@@ -27,13 +27,15 @@
 //! diagram of moment over roll angle, whose corners are computed here).
 
 use super::frame::{Frame, Front};
-use super::support::{Held, Springs, Tyres};
+use super::point::Point;
+use super::support::Held;
+use super::suspension::Suspension;
 use super::yaw_plane::{Drift, Sides, Standing, Turn};
 use crate::balance::{Give, StaticBalance, balance_on, static_balance};
 use crate::characteristics::FifthWheel;
 use crate::error::VehicleError;
 use crate::load::Load;
-use crate::vehicle::{PlacedAxle, Vehicle};
+use crate::vehicle::Vehicle;
 
 /// A step of Newton's method (g, rad) below this is due to rounding and ends the iteration.
 const ROUNDING: f64 = 1e-12;
@@ -44,30 +46,12 @@ const STIFFEST_NM_PER_RAD: f64 = 3e7;
 /// grow in proportion to it.
 const FIRST: f64 = 0.01;
 
-pub(super) struct Axle {
-    on_trailer: bool,
-    steered: bool,
-    half_spread_m: f64,
-    auxiliary_nm_per_rad: f64,
-    pub(super) tyres: Tyres,
-    roll_center_m: f64,
-    center_m: f64,
-    own_n: f64,
-}
-
-/// A pair of springs, and the axles that share it.
-struct Group {
-    springs: Springs,
-    axles: Vec<usize>,
-}
-
 /// The roll plane of a vehicle with a trailer mass at a speed, for any height.
 pub(crate) struct RollPlane<'a> {
     vehicle: &'a Vehicle,
     load: Load,
     balance: StaticBalance,
-    pub(super) axles: Vec<Axle>,
-    groups: Vec<Group>,
+    pub(super) suspension: Suspension,
     turn: Turn,
     hitch: FifthWheel,
     /// The frame, if it twists.
@@ -75,49 +59,10 @@ pub(crate) struct RollPlane<'a> {
     hitch_height_m: f64,
     /// Moment of the weight of the tractor's sprung mass about the road.
     tractor_own_nm: f64,
-    /// Roll angle of the real vehicle divided by that of the vehicle file.
-    pub(super) compliance: f64,
-}
-
-/// A state: the lateral acceleration (g), the roll angles of the units and of the axles, the loads, and
-/// the solution of the yaw plane.
-#[derive(Clone)]
-pub(super) struct Point {
-    /// Roll angle of the trailer, or of its rear half if its frame twists.
-    pub(super) roll_rad: f64,
-    pub(super) alpha: f64,
-    tractor_rad: f64,
-    /// Roll angle of the trailer's front half, if its frame twists.
-    front_rad: f64,
-    pub(super) axles_rad: Vec<f64>,
-    pub(super) axle_load_n: Vec<f64>,
-    /// How far the body has risen at each axle, and the load that its links have moved to it from the axles that share its
-    /// springs.
-    risen_m: Vec<f64>,
-    linked_n: Vec<f64>,
-    hitch_load_n: f64,
-    pub(super) sides: Sides,
-    drift: Drift,
-    /// The tires cannot hold the vehicle, which slides before it tips.
-    pub(super) slides: bool,
-}
-
-impl Point {
-    /// The load of an axle.
-    fn load_n(&self, i: usize) -> f64 {
-        self.axle_load_n[i] + self.linked_n[i]
-    }
 }
 
 /// Deflections of the tires, and the loads that follow from them.
 pub(super) type Stood = (Vec<Give>, StaticBalance);
-
-/// The linearized equation of an axle: its stiffness, its residual, and its moment per `α`.
-struct Follows {
-    stiffness: f64,
-    residual: f64,
-    side: f64,
-}
 
 impl<'a> RollPlane<'a> {
     /// Every roll angle is multiplied by `compliance`, the compensation `R_c` of a calibration.
@@ -131,10 +76,7 @@ impl<'a> RollPlane<'a> {
         compliance: f64,
     ) -> Result<Self, VehicleError> {
         let balance = static_balance(vehicle, load)?;
-        let placed = vehicle.axles();
-        let axles: Vec<Axle> = placed.iter().map(|placed| axle(vehicle, placed)).collect();
-        let sprung_n: Vec<f64> =
-            axles.iter().zip(&balance.axle_load_n).map(|(axle, n)| n - axle.own_n).collect();
+        let suspension = Suspension::of(vehicle, &balance.axle_load_n, compliance);
         let (tractor, hitch) = (&vehicle.tractor, &vehicle.hitch);
         let fifth_wheel = FifthWheel::of(hitch);
         let stiffness_nm_per_rad = fifth_wheel.stiffness_nm_per_rad.min(STIFFEST_NM_PER_RAD);
@@ -143,13 +85,11 @@ impl<'a> RollPlane<'a> {
             load,
             balance,
             tractor_own_nm: tractor.sprung_mass_kg * vehicle.gravity_mps2 * tractor.cg_height_m,
-            axles,
-            groups: groups(vehicle, &placed, &sprung_n),
+            suspension,
             turn: Turn::new(vehicle, &vehicle.trailer_sprung_mass(load)?, speed_mps),
             hitch: FifthWheel { stiffness_nm_per_rad, ..fifth_wheel },
             frame: Frame::of(vehicle, load)?,
             hitch_height_m: hitch.height_m,
-            compliance,
         })
     }
 
@@ -169,10 +109,10 @@ impl<'a> RollPlane<'a> {
             alpha: 0.0,
             tractor_rad: 0.0,
             front_rad: 0.0,
-            axles_rad: vec![0.0; self.axles.len()],
+            axles_rad: vec![0.0; self.suspension.axles.len()],
             axle_load_n: self.balance.axle_load_n.clone(),
-            risen_m: vec![0.0; self.axles.len()],
-            linked_n: vec![0.0; self.axles.len()],
+            risen_m: vec![0.0; self.suspension.axles.len()],
+            linked_n: vec![0.0; self.suspension.axles.len()],
             hitch_load_n: self.balance.hitch_load_n,
             sides: Sides::default(),
             drift: Drift::default(),
@@ -186,17 +126,17 @@ impl<'a> RollPlane<'a> {
     /// the tires cannot hold the vehicle.
     pub(super) fn turn_on(&self, damped: bool, point: &mut Point) -> bool {
         let standing: Vec<_> = self
+            .suspension
             .axles
             .iter()
             .enumerate()
             .map(|(i, axle)| Standing {
                 loads_n: axle
                     .tyres
-                    .loads_n(point.load_n(i), point.axles_rad[i] / self.compliance)
+                    .loads_n(point.load_n(i), self.suspension.angle_rad(i, point))
                     .filter(|load_n| *load_n > 0.0)
                     .collect(),
-                lean_rad: if axle.on_trailer { point.roll_rad } else { point.tractor_rad }
-                    - point.axles_rad[i],
+                lean_rad: self.suspension.lean_rad(i, point),
             })
             .collect();
         let mut drift = point.drift;
@@ -222,13 +162,13 @@ impl<'a> RollPlane<'a> {
     /// because an axle with more load also rolls less, by nearly as much, and the full shift would
     /// overshoot.
     pub(super) fn shift(&self, point: &mut Point, last: &mut Option<Stood>) {
-        if self.groups.len() <= 3 {
+        if self.suspension.groups.len() <= 3 {
             return; // the loads follow from forces and moments alone
         }
-        let gives: Vec<_> = (0..self.axles.len())
+        let gives: Vec<_> = (0..self.suspension.axles.len())
             .map(|i| {
-                let angle_rad = point.axles_rad[i] / self.compliance;
-                self.axles[i].tyres.give(point.load_n(i), angle_rad)
+                let angle_rad = self.suspension.angle_rad(i, point);
+                self.suspension.axles[i].tyres.give(point.load_n(i), angle_rad)
             })
             .collect();
         // As long as no wheel lifts, the loads remain those of the last step.
@@ -243,59 +183,14 @@ impl<'a> RollPlane<'a> {
         }
     }
 
-    /// Raises the bodies with their axles and on their springs. The roll centers belong to the body, which rises by the mean of
-    /// the axles that are close together.
-    pub(super) fn rise(&self, point: &mut Point) {
-        let mut risen_m = vec![0.0; self.axles.len()];
-        for group in &self.groups {
-            let springs_m = group.springs.rise_m(self.apart_m(group, point));
-            for &i in &group.axles {
-                let angle_rad = point.axles_rad[i] / self.compliance;
-                let (tyres_m, _) = self.axles[i].tyres.rise(point.load_n(i), angle_rad);
-                risen_m[i] = self.compliance * (tyres_m + springs_m);
-            }
-        }
-        let place = |i: usize| (self.axles[i].on_trailer, self.axles[i].steered);
-        let all = 0..self.axles.len();
-        let near = |i: usize| all.clone().filter(move |&k| place(k) == place(i));
-        point.risen_m = all.clone().map(|i| mean(near(i).map(|k| risen_m[k]))).collect();
-    }
-
-    /// Half the difference of the compressions of a group's springs.
-    fn apart_m(&self, group: &Group, point: &Point) -> f64 {
-        let of = |&i: &usize| self.axles[i].half_spread_m * libm::sin(self.lean_rad(i, point));
-        mean(group.axles.iter().map(of)) / self.compliance
-    }
-
-    /// Roll angle of the body minus that of an axle.
-    fn lean_rad(&self, i: usize, point: &Point) -> f64 {
-        let body_rad = if self.axles[i].on_trailer { point.roll_rad } else { point.tractor_rad };
-        body_rad - point.axles_rad[i]
-    }
-
-    /// Moves load between axles that share their springs. The springs press all of them equally, along the axis of each, and a
-    /// link takes its lateral force along the axle: one that leans more is pressed down.
-    pub(super) fn link(&self, point: &mut Point) {
-        for group in self.groups.iter().filter(|group| group.axles.len() > 1) {
-            let by_link_n = |i: usize| {
-                let (sin, cos) = libm::sincos(point.axles_rad[i]);
-                let carried_n = point.axle_load_n[i] - self.axles[i].own_n;
-                point.alpha * point.sides.axle_n[i] * sin - carried_n * (1.0 - cos)
-            };
-            let mean_n = mean(group.axles.iter().map(|&i| by_link_n(i)));
-            let linked_n: Vec<f64> = group.axles.iter().map(|&i| by_link_n(i) - mean_n).collect();
-            for (&i, n) in group.axles.iter().zip(linked_n) {
-                point.linked_n[i] = f64::midpoint(point.linked_n[i], n);
-            }
-        }
-    }
-
     /// Lateral forces and weights on the axles of a body: their sums, and the sums multiplied by
     /// the heights of the roll centers.
     fn carried(&self, on_trailer: bool, point: &Point) -> [Held; 2] {
         let none = || Held { side_nm: 0.0, weight_nm: 0.0 };
         let (mut force, mut moment) = (none(), none());
-        for (i, axle) in self.axles.iter().enumerate().filter(|(_, a)| a.on_trailer == on_trailer) {
+        for (i, axle) in
+            self.suspension.axles.iter().enumerate().filter(|(_, a)| a.on_trailer == on_trailer)
+        {
             let (side_n, weight_n) = (point.sides.axle_n[i], point.axle_load_n[i] - axle.own_n);
             force.side_nm += side_n;
             force.weight_nm += weight_n;
@@ -335,6 +230,7 @@ impl<'a> RollPlane<'a> {
         let (of_trailer, of_tractor) = (self.trailer(cg_height_m, point), self.tractor(point));
         let cos = point.sides.cos;
         for _ in 0..12 {
+            self.suspension.link(point);
             let on_hitch_rad = if self.frame.is_some() { point.front_rad } else { roll_rad };
             let (fifth, fifth_slope) = self.fifth_wheel(on_hitch_rad * cos - point.tractor_rad);
             // Columns: derivatives with respect to α and φ1, and the residual.
@@ -350,15 +246,15 @@ impl<'a> RollPlane<'a> {
                     cos,
                     fifth_wheel: (fifth, fifth_slope),
                     above_m: cg_height_m - self.hitch_height_m,
-                    compliance: self.compliance,
+                    compliance: self.suspension.compliance,
                 };
                 frame.split(&at, &mut trailer, &mut tractor)
             });
-            let mut steps = vec![[0.0; 3]; self.axles.len()];
-            for group in &self.groups {
-                let on_trailer = self.axles[group.axles[0]].on_trailer;
+            let mut steps = vec![[0.0; 3]; self.suspension.axles.len()];
+            for group in &self.suspension.groups {
+                let on_trailer = self.suspension.axles[group.axles[0]].on_trailer;
                 let moves = if on_trailer { 0.0 } else { 1.0 };
-                let (found, springs_nm) = self.group(group, point, &mut steps);
+                let (found, springs_nm) = self.suspension.group(group, point, &mut steps);
                 let unit = if on_trailer { &mut trailer } else { &mut tractor };
                 unit[0] -= found[0];
                 unit[1] -= moves * found[1];
@@ -367,7 +263,9 @@ impl<'a> RollPlane<'a> {
             let determinant = trailer[0] * tractor[1] - trailer[1] * tractor[0];
             let alpha = (trailer[1] * tractor[2] - tractor[1] * trailer[2]) / determinant;
             let tractor_rad = (tractor[0] * trailer[2] - trailer[0] * tractor[2]) / determinant;
-            for ((axle, by), axle_rad) in self.axles.iter().zip(steps).zip(&mut point.axles_rad) {
+            for ((axle, by), axle_rad) in
+                self.suspension.axles.iter().zip(steps).zip(&mut point.axles_rad)
+            {
                 let body = if axle.on_trailer { 0.0 } else { tractor_rad };
                 *axle_rad += by[0] * alpha + by[1] * body + by[2];
             }
@@ -382,113 +280,8 @@ impl<'a> RollPlane<'a> {
         false
     }
 
-    /// The Newton steps of a group's axles: per step of `α`, per step of the body's roll angle, and
-    /// a constant part. Returns the same three parts of the moment on the body, and the moment
-    /// itself.
-    fn group(&self, group: &Group, point: &Point, steps: &mut [[f64; 3]]) -> ([f64; 3], f64) {
-        let c = self.compliance;
-        #[allow(clippy::cast_precision_loss)] // a few axles
-        let share = 1.0 / group.axles.len() as f64;
-        let lever_m = |i: usize| self.axles[i].half_spread_m * libm::cos(self.lean_rad(i, point));
-        let (force_n, slope) = group.springs.at(self.apart_m(group, point));
-        let springs_of = |i: usize| {
-            let auxiliary = self.axles[i].auxiliary_nm_per_rad / c;
-            lever_m(i) * force_n + auxiliary * self.lean_rad(i, point)
-        };
-        let follow = |i: usize| self.follows(i, springs_of(i), point);
-        // The step of the springs' compression: per α, per body roll and constant; and its feedback
-        // on itself.
-        let (mut moves, mut itself) = ([0.0; 3], 1.0);
-        for &i in &group.axles {
-            let (axle, f) = (&self.axles[i], follow(i));
-            let weight = share * lever_m(i) / c;
-            moves[0] -= weight * f.side / f.stiffness;
-            moves[1] += weight * (1.0 - axle.auxiliary_nm_per_rad / c / f.stiffness);
-            moves[2] -= weight * f.residual / f.stiffness;
-            itself += weight * lever_m(i) * slope / f.stiffness;
-        }
-        let moves = moves.map(|by| by / itself);
-        let (mut on_body, mut springs_nm) = ([0.0; 3], 0.0);
-        for &i in &group.axles {
-            let (axle, f) = (&self.axles[i], follow(i));
-            let auxiliary = axle.auxiliary_nm_per_rad / c;
-            let direct = [f.side, auxiliary, f.residual];
-            for k in 0..3 {
-                let pressed = lever_m(i) * slope * moves[k];
-                steps[i][k] = (direct[k] + pressed) / f.stiffness;
-                on_body[k] += pressed - auxiliary * steps[i][k];
-            }
-            on_body[1] += auxiliary;
-            springs_nm += springs_of(i);
-        }
-        (on_body, springs_nm)
-    }
-
-    /// The equation of an axle on which the springs have this moment.
-    fn follows(&self, i: usize, springs_nm: f64, point: &Point) -> Follows {
-        let (axle, c) = (&self.axles[i], self.compliance);
-        let (angle_rad, load_n) = (point.axles_rad[i], point.load_n(i));
-        let (tyres_nm, tyre_slope) = axle.tyres.moment(load_n, angle_rad / c);
-        let (rise_m, rise_slope) = axle.tyres.rise(load_n, angle_rad / c);
-        let [axle_n, own_n] = [point.sides.axle_n[i], point.sides.own_n[i]];
-        let roll_center_m = axle.roll_center_m + point.risen_m[i];
-        let center_m = axle.center_m + c * rise_m;
-        let side = axle_n * roll_center_m + own_n * center_m;
-        let weight_nm = (load_n - axle.own_n) * roll_center_m + axle.own_n * center_m;
-        let rising = (own_n * point.alpha + axle.own_n * angle_rad) * rise_slope;
-        // The points of contact move outward with the tires, which lean.
-        let cos = libm::cos(angle_rad);
-        Follows {
-            stiffness: (axle.auxiliary_nm_per_rad + tyre_slope / cos) / c - weight_nm - rising,
-            residual: springs_nm + side * point.alpha + weight_nm * angle_rad - tyres_nm / cos,
-            side,
-        }
-    }
-
     fn fifth_wheel(&self, angle_rad: f64) -> (f64, f64) {
-        let at = |angle_rad: f64| self.hitch.moment_nm(angle_rad / self.compliance);
+        let at = |angle_rad: f64| self.hitch.moment_nm(angle_rad / self.suspension.compliance);
         (at(angle_rad), (at(angle_rad + 1e-6) - at(angle_rad)) / 1e-6)
     }
-}
-
-fn mean(values: impl Iterator<Item = f64>) -> f64 {
-    let (sum, count) = values.fold((0.0, 0.0), |(sum, count), value| (sum + value, count + 1.0));
-    sum / count
-}
-
-fn axle(vehicle: &Vehicle, placed: &PlacedAxle<'_>) -> Axle {
-    Axle {
-        on_trailer: placed.on_trailer,
-        steered: placed.steered,
-        half_spread_m: 0.5 * placed.axle.spring_spread_m,
-        auxiliary_nm_per_rad: placed.axle.auxiliary_roll_stiffness_nm_per_rad,
-        tyres: Tyres::of(placed),
-        roll_center_m: placed.axle.roll_center_height_m,
-        center_m: placed.axle.center_height_m,
-        own_n: placed.axle.unsprung_mass_kg * vehicle.gravity_mps2,
-    }
-}
-
-/// The pairs of springs: one for each load group, and one for each axle without a group.
-fn groups(vehicle: &Vehicle, placed: &[PlacedAxle<'_>], sprung_n: &[f64]) -> Vec<Group> {
-    let mut members: Vec<Vec<usize>> = Vec::new();
-    for (i, axle) in placed.iter().enumerate() {
-        let partner = members.iter_mut().find(|group| {
-            let first = &placed[group[0]];
-            axle.axle.load_group.is_some()
-                && first.axle.load_group == axle.axle.load_group
-                && first.on_trailer == axle.on_trailer
-        });
-        match partner {
-            Some(group) => group.push(i),
-            None => members.push(vec![i]),
-        }
-    }
-    let pair = |axles: Vec<usize>| {
-        let of: Vec<_> = axles.iter().map(|&i| &placed[i]).collect();
-        #[allow(clippy::cast_precision_loss)] // a few axles
-        let mean_n = axles.iter().map(|&i| sprung_n[i]).sum::<f64>() / axles.len() as f64;
-        Group { springs: Springs::of(vehicle, &of, mean_n), axles }
-    };
-    members.into_iter().map(pair).collect()
 }

@@ -1,0 +1,254 @@
+//! The axles, which may share springs, eliminated from the equations of the roll plane.
+//!
+//! Axles that share their springs lift one after the other. The one that leans more is pressed down by its link, by up to 2 % of
+//! its load, so that the others do not turn over at once when they lift, too.
+
+use super::point::Point;
+use super::support::{Springs, Tyres};
+use crate::vehicle::{PlacedAxle, Vehicle};
+
+pub(super) struct Axle {
+    pub(super) on_trailer: bool,
+    pub(super) steered: bool,
+    half_spread_m: f64,
+    auxiliary_nm_per_rad: f64,
+    pub(super) tyres: Tyres,
+    pub(super) roll_center_m: f64,
+    center_m: f64,
+    pub(super) own_n: f64,
+}
+
+impl Axle {
+    fn of(vehicle: &Vehicle, placed: &PlacedAxle<'_>) -> Self {
+        Self {
+            on_trailer: placed.on_trailer,
+            steered: placed.steered,
+            half_spread_m: 0.5 * placed.axle.spring_spread_m,
+            auxiliary_nm_per_rad: placed.axle.auxiliary_roll_stiffness_nm_per_rad,
+            tyres: Tyres::of(placed),
+            roll_center_m: placed.axle.roll_center_height_m,
+            center_m: placed.axle.center_height_m,
+            own_n: placed.axle.unsprung_mass_kg * vehicle.gravity_mps2,
+        }
+    }
+}
+
+/// A pair of springs, and the axles that share it.
+pub(super) struct Group {
+    springs: Springs,
+    pub(super) axles: Vec<usize>,
+}
+
+impl Group {
+    /// The pairs of springs: one for each load group, and one for each axle without a group.
+    pub(super) fn all(vehicle: &Vehicle, placed: &[PlacedAxle<'_>], sprung_n: &[f64]) -> Vec<Self> {
+        let mut members: Vec<Vec<usize>> = Vec::new();
+        for (i, axle) in placed.iter().enumerate() {
+            let partner = members.iter_mut().find(|group| {
+                let first = &placed[group[0]];
+                axle.axle.load_group.is_some()
+                    && first.axle.load_group == axle.axle.load_group
+                    && first.on_trailer == axle.on_trailer
+            });
+            match partner {
+                Some(group) => group.push(i),
+                None => members.push(vec![i]),
+            }
+        }
+        let pair = |axles: Vec<usize>| {
+            let of: Vec<_> = axles.iter().map(|&i| &placed[i]).collect();
+            let mean_n = mean(axles.iter().map(|&i| sprung_n[i]));
+            Self { springs: Springs::of(vehicle, &of, mean_n), axles }
+        };
+        members.into_iter().map(pair).collect()
+    }
+
+    /// Share of an axle.
+    fn share(&self) -> f64 {
+        #[allow(clippy::cast_precision_loss)] // a few axles
+        let count = self.axles.len() as f64;
+        1.0 / count
+    }
+}
+
+fn mean(values: impl Iterator<Item = f64>) -> f64 {
+    let (sum, count) = values.fold((0.0, 0.0), |(sum, count), value| (sum + value, count + 1.0));
+    sum / count
+}
+
+/// The linearized equation of an axle.
+struct Follows {
+    stiffness: f64,
+    /// Derivatives with respect to `α` and to the roll angle of the body, and the residual.
+    direct: [f64; 3],
+    /// Derivatives with respect to half the difference of the springs' compressions, and to the mean load of the links.
+    by_springs: f64,
+    by_links: f64,
+    /// Derivatives of these two with respect to the roll angles of the body and of the axle: what this axle contributes.
+    compresses: f64,
+    presses: f64,
+    /// The same of the links' mean load with respect to `α`.
+    presses_by_alpha: f64,
+    /// Moment of the springs on the axle.
+    springs_nm: f64,
+}
+
+/// All axles and their springs.
+pub(super) struct Suspension {
+    pub(super) axles: Vec<Axle>,
+    pub(super) groups: Vec<Group>,
+    /// Roll angle of the real vehicle divided by that of the vehicle file.
+    pub(super) compliance: f64,
+}
+
+impl Suspension {
+    /// The suspension of a vehicle whose axles carry these loads.
+    pub(super) fn of(vehicle: &Vehicle, axle_load_n: &[f64], compliance: f64) -> Self {
+        let placed = vehicle.axles();
+        let axles: Vec<Axle> = placed.iter().map(|placed| Axle::of(vehicle, placed)).collect();
+        let sprung_n: Vec<f64> =
+            axles.iter().zip(axle_load_n).map(|(axle, load_n)| load_n - axle.own_n).collect();
+        let groups = Group::all(vehicle, &placed, &sprung_n);
+        Self { axles, groups, compliance }
+    }
+
+    /// Roll angle of an axle for the tires and springs of the file.
+    pub(super) fn angle_rad(&self, i: usize, point: &Point) -> f64 {
+        point.axles_rad[i] / self.compliance
+    }
+
+    /// Raises the bodies with their axles and on their springs. The roll centers belong to the body, which rises by the mean of
+    /// the axles that are close together.
+    pub(super) fn rise(&self, point: &mut Point) {
+        let mut risen_m = vec![0.0; self.axles.len()];
+        for group in &self.groups {
+            let springs_m = group.springs.rise_m(self.apart_m(group, point));
+            for &i in &group.axles {
+                let angle_rad = self.angle_rad(i, point);
+                let (tyres_m, _) = self.axles[i].tyres.rise(point.load_n(i), angle_rad);
+                risen_m[i] = self.compliance * (tyres_m + springs_m);
+            }
+        }
+        let place = |i: usize| (self.axles[i].on_trailer, self.axles[i].steered);
+        let all = 0..self.axles.len();
+        let near = |i: usize| all.clone().filter(move |&k| place(k) == place(i));
+        point.risen_m = all.clone().map(|i| mean(near(i).map(|k| risen_m[k]))).collect();
+    }
+
+    /// Half the difference of the compressions of a group's springs.
+    fn apart_m(&self, group: &Group, point: &Point) -> f64 {
+        let of = |&i: &usize| self.axles[i].half_spread_m * libm::sin(self.lean_rad(i, point));
+        mean(group.axles.iter().map(of)) / self.compliance
+    }
+
+    /// Roll angle of the body minus that of an axle.
+    pub(super) fn lean_rad(&self, i: usize, point: &Point) -> f64 {
+        let body_rad = if self.axles[i].on_trailer { point.roll_rad } else { point.tractor_rad };
+        body_rad - point.axles_rad[i]
+    }
+
+    /// Moves load between axles that share their springs. The springs press all of them equally, along the axis of each, and a
+    /// link takes its lateral force along the axle: one that leans more is pressed down.
+    pub(super) fn link(&self, point: &mut Point) {
+        for group in self.groups.iter().filter(|group| group.axles.len() > 1) {
+            let by_link_n = |i: usize| {
+                let (sin, cos) = libm::sincos(point.axles_rad[i]);
+                let carried_n = point.axle_load_n[i] - self.axles[i].own_n;
+                point.alpha * point.sides.axle_n[i] * sin - carried_n * (1.0 - cos)
+            };
+            let mean_n = mean(group.axles.iter().map(|&i| by_link_n(i)));
+            let linked_n: Vec<f64> = group.axles.iter().map(|&i| by_link_n(i) - mean_n).collect();
+            for (&i, n) in group.axles.iter().zip(linked_n) {
+                point.linked_n[i] = n;
+            }
+        }
+    }
+
+    /// The Newton steps of a group's axles: per step of `α`, per step of the body's roll angle, and
+    /// a constant part. Returns the same three parts of the moment on the body, and the moment
+    /// itself.
+    pub(super) fn group(
+        &self,
+        group: &Group,
+        point: &Point,
+        steps: &mut [[f64; 3]],
+    ) -> ([f64; 3], f64) {
+        let springs = group.springs.at(self.apart_m(group, point));
+        let follows: Vec<_> =
+            group.axles.iter().map(|&i| self.follows(i, group, springs, point)).collect();
+        // The compression of the springs and the mean load of the links depend on the axles, and these on both.
+        let [mut compression, mut links] = [[1.0, 0.0], [0.0, 1.0]];
+        let [mut compressed, mut linked] = [[0.0; 3]; 2];
+        for f in &follows {
+            compression[0] += f.compresses * f.by_springs / f.stiffness;
+            compression[1] += f.compresses * f.by_links / f.stiffness;
+            links[0] -= f.presses * f.by_springs / f.stiffness;
+            links[1] -= f.presses * f.by_links / f.stiffness;
+            compressed[1] += f.compresses;
+            linked[0] += f.presses_by_alpha;
+            for k in 0..3 {
+                compressed[k] -= f.compresses * f.direct[k] / f.stiffness;
+                linked[k] += f.presses * f.direct[k] / f.stiffness;
+            }
+        }
+        let determinant = compression[0] * links[1] - compression[1] * links[0];
+        let (mut on_body, mut springs_nm) = ([0.0; 3], 0.0);
+        for (&i, f) in group.axles.iter().zip(&follows) {
+            let auxiliary = f.direct[1];
+            for k in 0..3 {
+                let apart = (compressed[k] * links[1] - compression[1] * linked[k]) / determinant;
+                let mean = (compression[0] * linked[k] - links[0] * compressed[k]) / determinant;
+                let pressed = f.by_springs * apart;
+                steps[i][k] = (f.direct[k] + pressed + f.by_links * mean) / f.stiffness;
+                on_body[k] += pressed - auxiliary * steps[i][k];
+            }
+            on_body[1] += auxiliary;
+            springs_nm += f.springs_nm;
+        }
+        (on_body, springs_nm)
+    }
+
+    /// The equation of an axle of a group whose springs have this difference of forces and this slope.
+    fn follows(
+        &self,
+        i: usize,
+        group: &Group,
+        (force_n, slope): (f64, f64),
+        point: &Point,
+    ) -> Follows {
+        let (axle, c) = (&self.axles[i], self.compliance);
+        let (angle_rad, load_n) = (point.axles_rad[i], point.load_n(i));
+        let lean_rad = self.lean_rad(i, point);
+        let lever_m = axle.half_spread_m * libm::cos(lean_rad);
+        let auxiliary = axle.auxiliary_nm_per_rad / c;
+        let springs_nm = lever_m * force_n + auxiliary * lean_rad;
+        let (tyres_nm, tyre_slope) = axle.tyres.moment(load_n, angle_rad / c);
+        let (rise_m, rise_slope) = axle.tyres.rise(load_n, angle_rad / c);
+        let [axle_n, own_n] = [point.sides.axle_n[i], point.sides.own_n[i]];
+        let roll_center_m = axle.roll_center_m + point.risen_m[i];
+        let center_m = axle.center_m + c * rise_m;
+        let side = axle_n * roll_center_m + own_n * center_m;
+        let weight_nm = (load_n - axle.own_n) * roll_center_m + axle.own_n * center_m;
+        let rising = (own_n * point.alpha + axle.own_n * angle_rad) * rise_slope;
+        let (sin, cos) = libm::sincos(angle_rad);
+        // Load that the link of an axle of several moves to it (see `link`), and what load does to the axle.
+        let moved = if group.axles.len() > 1 { 1.0 } else { 0.0 };
+        let carried_n = point.axle_load_n[i] - axle.own_n;
+        let linked = moved * (point.alpha * axle_n * cos - carried_n * sin);
+        let linked_by_alpha = moved * axle_n * sin;
+        let by_load = roll_center_m * angle_rad - rise_slope / cos;
+        // The points of contact move outward with the tires, which lean.
+        let stiffness = auxiliary + tyre_slope / cos / c - weight_nm - rising - by_load * linked;
+        let residual = springs_nm + weight_nm * angle_rad - tyres_nm / cos + side * point.alpha;
+        Follows {
+            stiffness,
+            direct: [side + by_load * linked_by_alpha, auxiliary, residual],
+            by_springs: lever_m * slope,
+            by_links: -by_load,
+            compresses: group.share() * lever_m / c,
+            presses: group.share() * linked,
+            presses_by_alpha: group.share() * linked_by_alpha,
+            springs_nm,
+        }
+    }
+}
