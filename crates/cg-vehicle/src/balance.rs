@@ -257,6 +257,7 @@ fn supports(vehicle: &Vehicle, axles: &[PlacedAxle<'_>], gives: &[Give]) -> Vec<
 /// empty, or if the loads depend on stiffness and a tire has no `unloaded_radius_m`.
 pub fn static_balance(vehicle: &Vehicle, load: Load) -> Result<StaticBalance, VehicleError> {
     let gives = upright(vehicle);
+    determined(vehicle).map_err(|(_, _, problem)| VehicleError::Model(problem))?;
     balance_on(vehicle, load, &gives)
 }
 
@@ -265,13 +266,12 @@ fn upright(vehicle: &Vehicle) -> Vec<Give> {
     vehicle.axles().iter().map(Give::upright).collect()
 }
 
-/// The static loads when some tires have left the road.
+/// The static loads of a vehicle that has static loads, when some tires have left the road.
 pub(crate) fn balance_on(
     vehicle: &Vehicle,
     load: Load,
     gives: &[Give],
 ) -> Result<StaticBalance, VehicleError> {
-    determined(vehicle).map_err(|(_, _, problem)| VehicleError::Model(problem))?;
     let balance = solved_on(vehicle, load, gives)?;
     let tractor = vehicle.tractor.axle.len();
     if let Some(i) = balance.axle_load_n.iter().position(|&force| force.is_nan() || force <= 0.0) {

@@ -8,6 +8,7 @@
 
 use super::point::Point;
 use super::roll_plane::RollPlane;
+use super::suspension::Suspension;
 
 /// First step (g) to the tightest turn.
 const TURN_G: f64 = 0.02;
@@ -30,6 +31,9 @@ const FALLEN: f64 = 0.8;
 const JUMP: u32 = 4;
 /// A change of the lateral acceleration (g) below this means that roll plane, loads and yaw plane agree.
 const SETTLED: f64 = 1e-5;
+/// The roll plane is solved up to this share of the last change, of which the first one counts as that many g.
+const EXACT: f64 = 0.01;
+const FIRST_G: f64 = 0.01;
 /// Number of times that they are solved in turn. Near the threshold of a light load the shift of loads may
 /// settle more slowly, and then lacks 0.001 g at most.
 const ROUNDS: usize = 20;
@@ -41,6 +45,14 @@ const UNDAMPED: usize = 4;
 enum Unsolved {
     Roll,
     Turn,
+}
+
+/// A path through roll angles of the trailer.
+#[derive(Clone, Copy)]
+struct Path {
+    cg_height_m: f64,
+    step_rad: f64,
+    end_rad: f64,
 }
 
 impl RollPlane<'_> {
@@ -68,36 +80,49 @@ impl RollPlane<'_> {
     /// The state at the threshold; `None` if the tires hold no turn at all.
     fn threshold_in_steps(&self, cg_height_m: f64, step_rad: f64, fine_rad: f64) -> Option<Point> {
         let start = self.start()?;
-        let [mut before, mut greatest] = self.greatest(cg_height_m, step_rad, start, END_RAD);
+        let path = Path { cg_height_m, step_rad, end_rad: END_RAD };
+        let [mut before, mut greatest] = self.greatest(&path, start);
         let mut around_rad = step_rad;
         while around_rad > fine_rad {
             let end_rad = greatest.roll_rad + around_rad;
             around_rad *= FINER;
-            [before, greatest] = self.greatest(cg_height_m, around_rad, before, end_rad);
+            let path = Path { step_rad: around_rad, end_rad, ..path };
+            [before, greatest] = self.greatest(&path, before);
         }
         Some(greatest)
     }
 
-    /// The state of the greatest lateral acceleration in steps of this size from a state to a roll angle,
-    /// after the state one step before it. The path ends earlier if the vehicle tips or slides.
-    fn greatest(&self, cg_height_m: f64, step_rad: f64, start: Point, end_rad: f64) -> [Point; 2] {
+    /// The state of the greatest lateral acceleration on a path from a state, after the state one step before it. The path ends
+    /// earlier if the vehicle tips or slides. It has tipped if all inner wheels but those of steered axles have lifted and the
+    /// lateral acceleration falls.
+    fn greatest(&self, path: &Path, start: Point) -> [Point; 2] {
         let (mut to_rad, mut missing) = (start.roll_rad, 0);
         let mut point = start.clone();
         let [mut before, mut greatest] = [start.clone(), start];
-        while to_rad < end_rad
+        while to_rad < path.end_rad
             && missing <= JUMP
             && point.alpha >= FALLEN * greatest.alpha
             && !point.slides
+            && !(point.alpha < greatest.alpha && self.lifted(&point))
         {
             let last = point.clone();
-            to_rad += step_rad;
-            let found = self.follow(cg_height_m, to_rad, HALVINGS, &mut point);
+            to_rad += path.step_rad;
+            let found = self.follow(path.cg_height_m, to_rad, HALVINGS, &mut point);
             missing = if found { 0 } else { missing + 1 };
             if point.alpha > greatest.alpha {
                 (before, greatest) = (last, point.clone());
             }
         }
         [before, greatest]
+    }
+
+    /// Whether all inner wheels but those of steered axles have lifted.
+    fn lifted(&self, point: &Point) -> bool {
+        let Suspension { axles, .. } = &self.suspension;
+        axles.iter().enumerate().all(|(i, axle)| {
+            let angle_rad = self.suspension.angle_rad(i, point);
+            axle.steered || axle.tyres.inner_lifted(point.load_n(i), angle_rad)
+        })
     }
 
     /// Moves to a larger roll angle of the trailer; whether there is a state. Where none is found (springs
@@ -127,15 +152,16 @@ impl RollPlane<'_> {
     /// Solves roll plane, loads and yaw plane in turn.
     fn settle(&self, cg_height_m: f64, point: &mut Point) -> Result<(), Unsolved> {
         let mut standing = None;
-        let mut before = f64::INFINITY;
+        let mut changed_g = FIRST_G;
         for round in 0..ROUNDS {
-            if !self.solve(cg_height_m, point) {
+            let before_g = point.alpha;
+            if !self.solve(cg_height_m, EXACT * changed_g, point) {
                 return Err(Unsolved::Roll);
             }
-            if (point.alpha - before).abs() < SETTLED {
+            changed_g = (point.alpha - before_g).abs();
+            if round > 0 && changed_g < SETTLED {
                 break;
             }
-            before = point.alpha;
             self.shift(point, &mut standing);
             self.suspension.rise(point);
             if !self.turn_on(round >= UNDAMPED, point) {
@@ -173,7 +199,7 @@ mod tests {
                         let bound = if is_tight { 0.0025 } else { 0.001_25 };
                         assert!(
                             (found / exact.alpha - 1.0).abs() < bound,
-                            "{name} {load:?} {cg_height_m} m: {found} g, {} g",
+                            "{name} {load:?} {kmh} km/h {cg_height_m} m: {found} g, {} g",
                             exact.alpha
                         );
                     }
@@ -233,5 +259,35 @@ mod tests {
                 assert!((ratio - 1.0).abs() < 0.09, "{name} {speed_mps} m/s: {ratio}");
             }
         }
+    }
+    #[test]
+    fn zz_scan() {
+        let vehicles = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/vehicles");
+        let mut out = String::new();
+        for name in [
+            "kraz",
+            "euro",
+            "baseline",
+            "baseline-tables",
+            "air",
+            "baseline-printed",
+            "worn-tyres-half",
+        ] {
+            let vehicle = Vehicle::load(format!("{vehicles}/{name}.toml")).unwrap();
+            for payload_kg in [0.0, 2_000.0, 5_000.0, 10_000.0, 17_000.0, 27_000.0] {
+                let trailer_mass_kg = vehicle.empty_trailer_mass_kg() + payload_kg;
+                let load = Load { trailer_mass_kg, ..vehicle.reference_load() };
+                let Ok(vehicle) = vehicle.with_springs_at(load) else { continue };
+                let vehicle = &*vehicle;
+                for kmh in [30.0, 40.0, 60.0, 90.0, 180.0] {
+                    let plane = RollPlane::new(vehicle, load, kmh / 3.6, 1.0).unwrap();
+                    for cg_height_m in [1.1, 1.5, 1.9, 2.3, 2.7] {
+                        let found = plane.threshold_g(cg_height_m);
+                        out += &format!("{name} {payload_kg} {kmh} {cg_height_m} {found}\n");
+                    }
+                }
+            }
+        }
+        std::fs::write(std::env::var("SCAN").unwrap(), out).unwrap();
     }
 }

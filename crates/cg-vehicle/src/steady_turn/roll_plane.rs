@@ -29,7 +29,7 @@
 use super::frame::{Frame, Front};
 use super::point::Point;
 use super::support::Held;
-use super::suspension::Suspension;
+use super::suspension::{Axle, Suspension};
 use super::yaw_plane::{Drift, Sides, Standing, Turn};
 use crate::balance::{Give, StaticBalance, balance_on, static_balance};
 use crate::characteristics::FifthWheel;
@@ -38,13 +38,18 @@ use crate::load::Load;
 use crate::vehicle::Vehicle;
 
 /// A step of Newton's method (g, rad) below this is due to rounding and ends the iteration.
-const ROUNDING: f64 = 1e-12;
+const ROUNDING: f64 = 1e-8;
+/// Number of steps.
+const STEPS: usize = 20;
 /// A fifth wheel that is stiffer counts as this stiff. Before its plates separate, at some tens of kN m, it twists by two
 /// milliradians at most, and Newton's method finds the bends of its curve.
 const STIFFEST_NM_PER_RAD: f64 = 3e7;
 /// Lateral acceleration (g) at which the first distribution of forces is computed. Small forces
 /// grow in proportion to it.
 const FIRST: f64 = 0.01;
+
+/// A rise of an axle below this shifts a few newtons, some millionths of a load.
+const RISE_M: f64 = 1e-6;
 
 /// The roll plane of a vehicle with a trailer mass at a speed, for any height.
 pub(crate) struct RollPlane<'a> {
@@ -125,22 +130,8 @@ impl<'a> RollPlane<'a> {
     /// damp them, their mean with those of before. The result is `false`, and the forces are as before, if
     /// the tires cannot hold the vehicle.
     pub(super) fn turn_on(&self, damped: bool, point: &mut Point) -> bool {
-        let standing: Vec<_> = self
-            .suspension
-            .axles
-            .iter()
-            .enumerate()
-            .map(|(i, axle)| Standing {
-                loads_n: axle
-                    .tyres
-                    .loads_n(point.load_n(i), self.suspension.angle_rad(i, point))
-                    .filter(|load_n| *load_n > 0.0)
-                    .collect(),
-                lean_rad: self.suspension.lean_rad(i, point),
-            })
-            .collect();
+        let (alpha, standing) = (point.alpha.max(FIRST), self.standing(point));
         let mut drift = point.drift;
-        let alpha = point.alpha.max(FIRST);
         let found = self.turn.sides(alpha, &standing, &mut drift).or_else(|| {
             drift = Drift::default();
             self.turn.sides_in_steps(alpha, &standing, &mut drift)
@@ -155,6 +146,19 @@ impl<'a> RollPlane<'a> {
             }
         }
         holds
+    }
+
+    fn standing(&self, point: &Point) -> Vec<Standing> {
+        let standing = |i: usize| {
+            let axle = &self.suspension.axles[i];
+            let angle_rad = self.suspension.angle_rad(i, point);
+            let loads_n = axle.tyres.loads_n(point.load_n(i), angle_rad);
+            Standing {
+                loads_n: loads_n.filter(|load_n| *load_n > 0.0).collect(),
+                lean_rad: self.suspension.lean_rad(i, point),
+            }
+        };
+        (0..self.suspension.axles.len()).map(standing).collect()
     }
 
     /// Shifts loads between axles. An axle rises when its inner wheels leave the road, and takes
@@ -172,7 +176,7 @@ impl<'a> RollPlane<'a> {
             })
             .collect();
         // As long as no wheel lifts, the loads remain those of the last step.
-        if last.as_ref().is_none_or(|(known, _)| *known != gives) {
+        if last.as_ref().is_none_or(|(known, _)| !same(known, &gives)) {
             *last = balance_on(self.vehicle, self.load, &gives).ok().map(|found| (gives, found));
         }
         if let Some((_, balance)) = last {
@@ -225,11 +229,11 @@ impl<'a> RollPlane<'a> {
     /// Newton's method, started from the previous state; whether it reached the rounding error. Axles and
     /// springs are eliminated, which leaves two equations. The curves are linear almost everywhere, so a
     /// few steps are enough.
-    pub(super) fn solve(&self, cg_height_m: f64, point: &mut Point) -> bool {
+    pub(super) fn solve(&self, cg_height_m: f64, exact: f64, point: &mut Point) -> bool {
         let roll_rad = point.roll_rad;
         let (of_trailer, of_tractor) = (self.trailer(cg_height_m, point), self.tractor(point));
         let cos = point.sides.cos;
-        for _ in 0..12 {
+        for _ in 0..STEPS {
             self.suspension.link(point);
             let on_hitch_rad = if self.frame.is_some() { point.front_rad } else { roll_rad };
             let (fifth, fifth_slope) = self.fifth_wheel(on_hitch_rad * cos - point.tractor_rad);
@@ -263,17 +267,22 @@ impl<'a> RollPlane<'a> {
             let determinant = trailer[0] * tractor[1] - trailer[1] * tractor[0];
             let alpha = (trailer[1] * tractor[2] - tractor[1] * trailer[2]) / determinant;
             let tractor_rad = (tractor[0] * trailer[2] - trailer[0] * tractor[2]) / determinant;
-            for ((axle, by), axle_rad) in
-                self.suspension.axles.iter().zip(steps).zip(&mut point.axles_rad)
-            {
-                let body = if axle.on_trailer { 0.0 } else { tractor_rad };
-                *axle_rad += by[0] * alpha + by[1] * body + by[2];
-            }
             let front_rad = front[0] * alpha + front[1] * tractor_rad + front[2];
-            point.alpha += alpha;
-            point.tractor_rad += tractor_rad;
-            point.front_rad += front_rad;
-            if alpha.abs() + tractor_rad.abs() + front_rad.abs() < ROUNDING {
+            let by_axle = |(axle, by): (&Axle, [f64; 3])| {
+                let body = if axle.on_trailer { 0.0 } else { tractor_rad };
+                by[0] * alpha + by[1] * body + by[2]
+            };
+            let axles_rad: Vec<f64> =
+                self.suspension.axles.iter().zip(steps).map(by_axle).collect();
+            let share = self.suspension.one_by_one(point, &axles_rad);
+            for (axle_rad, by_rad) in point.axles_rad.iter_mut().zip(&axles_rad) {
+                *axle_rad += share * by_rad;
+            }
+            point.alpha += share * alpha;
+            point.tractor_rad += share * tractor_rad;
+            point.front_rad += share * front_rad;
+            let moved_rad = axles_rad.iter().map(|by_rad| by_rad.abs()).sum::<f64>();
+            if alpha.abs() + tractor_rad.abs() + front_rad.abs() + moved_rad < exact.max(ROUNDING) {
                 return true;
             }
         }
@@ -284,4 +293,13 @@ impl<'a> RollPlane<'a> {
         let at = |angle_rad: f64| self.hitch.moment_nm(angle_rad / self.suspension.compliance);
         (at(angle_rad), (at(angle_rad + 1e-6) - at(angle_rad)) / 1e-6)
     }
+}
+
+/// Whether deflections are the same up to [`RISE_M`].
+fn same(known: &[Give], gives: &[Give]) -> bool {
+    let is_same = |(known, give): (&Give, &Give)| {
+        known.compliance_m_per_n.total_cmp(&give.compliance_m_per_n).is_eq()
+            && (known.rise_m - give.rise_m).abs() < RISE_M
+    };
+    known.iter().zip(gives).all(is_same)
 }

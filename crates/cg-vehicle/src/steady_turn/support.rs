@@ -153,6 +153,21 @@ impl Tyres {
         }
     }
 
+    /// The roll angle at which the next tire leaves the road; `None` if it is the last one.
+    pub(super) fn next_lift_rad(&self, load_n: f64, angle_rad: f64) -> Option<f64> {
+        let (count, _) = self.standing(load_n, angle_rad);
+        #[allow(clippy::cast_precision_loss)] // a few tires
+        let n = count as f64;
+        let sum: f64 = self.levers_m[..count].iter().sum();
+        let spread_m = sum - n * self.levers_m[count - 1];
+        (spread_m > 0.0).then(|| load_n / self.stiffness_n_per_m / spread_m)
+    }
+
+    /// Whether the inner side has left the road.
+    pub(super) fn inner_lifted(&self, load_n: f64, angle_rad: f64) -> bool {
+        self.standing(load_n, angle_rad).0 <= self.levers_m.len() / 2
+    }
+
     /// Load of each tire on the road.
     pub(super) fn loads_n(&self, load_n: f64, angle_rad: f64) -> impl Iterator<Item = f64> {
         let (count, pressed_m) = self.standing(load_n, angle_rad);

@@ -164,6 +164,32 @@ impl Suspension {
         }
     }
 
+    /// Share of these steps of the axles' roll angles after which of two axles of a group only one has lifted. The first one yields,
+    /// and with it the springs that both share, so that the other one may not lift at all.
+    pub(super) fn one_by_one(&self, point: &Point, steps_rad: &[f64]) -> f64 {
+        let lifts = |i: usize| {
+            let angle_rad = self.angle_rad(i, point);
+            let lift_rad = self.axles[i].tyres.next_lift_rad(point.load_n(i), angle_rad)?;
+            let share = (lift_rad - angle_rad) * self.compliance / steps_rad[i];
+            (steps_rad[i] > 0.0 && share < 1.0).then_some(share)
+        };
+        let mut limit = 1.0_f64;
+        for group in self.groups.iter().filter(|group| group.axles.len() > 1) {
+            let [mut first, mut second] = [1.0_f64; 2];
+            for share in group.axles.iter().filter_map(|&i| lifts(i)) {
+                if share < first {
+                    (first, second) = (share, first);
+                } else {
+                    second = second.min(share);
+                }
+            }
+            if second < 1.0 {
+                limit = limit.min(f64::midpoint(first, second));
+            }
+        }
+        limit
+    }
+
     /// The Newton steps of a group's axles: per step of `α`, per step of the body's roll angle, and
     /// a constant part. Returns the same three parts of the moment on the body, and the moment
     /// itself.
