@@ -77,7 +77,8 @@ impl RollPlane<'_> {
             return Some(self.greatest(cg_height_m, SLIDING * fine_rad, before)[1].clone());
         }
         let mut step_rad = step_rad;
-        while step_rad > fine_rad {
+        // A vehicle that tips at once has its greatest value at the start.
+        while step_rad > fine_rad && greatest.roll_rad > 0.0 {
             step_rad *= 0.5;
             let beside = |from: &Point, to_rad: f64| {
                 let mut point = from.clone();
