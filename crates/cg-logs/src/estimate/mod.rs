@@ -25,7 +25,7 @@
 //! | `since_stop` | whether the load was another one after a stop |
 //! | `tight` | what is said of a calibration in tight turns |
 //! | `tilts` | what is not known of the gains of inclinometers |
-//! | `rated` | the noise of a roll rate whose integral is the roll angle |
+//! | `rated` | the noise and the mounting of a roll rate whose integral is the roll angle |
 //! | `windward`, `by_wind` | what a side wind makes of the ratios, and which part of an interval that is |
 //! | `strong`, `speed_change` | how near to rolling over the turns came, and how the speed changed in them |
 //! | `weighed` | whether the mass is that of the present load |

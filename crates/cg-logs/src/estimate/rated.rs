@@ -1,4 +1,4 @@
-//! What the noise of a roll rate makes of the ratios, if the roll angle is its integral.
+//! What the noise and the mounting of a roll rate make of the ratios, if the roll angle is its integral.
 
 use cg_core::{Channel, Design, Maneuver, Output};
 use serde::{Deserialize, Serialize};
@@ -25,6 +25,9 @@ pub struct Rated {
     /// Sum of `T/φ²` over the maneuvers of the load that gave a height, s/rad², and their number.
     turns: f64,
     maneuvers: f64,
+    /// The greatest [`LogRow::roll_gain_sd`] since the last maneuver, and the sum over the maneuvers of the load.
+    gain_sd: f64,
+    gain_sds: f64,
 }
 
 impl Rated {
@@ -36,6 +39,7 @@ impl Rated {
             return;
         }
         self.greatest_rad = self.greatest_rad.max(roll_to_gravity_rad.abs());
+        self.gain_sd = self.gain_sd.max(row.roll_gain_sd);
         let Some((before, last_s)) = self.last.replace(([roll_rate_radps; 2], time_s)) else {
             return;
         };
@@ -51,23 +55,25 @@ impl Rated {
         #[allow(clippy::cast_precision_loss)] // 2^53 µs are 285 years
         let duration_s = maneuver.end_us.saturating_sub(maneuver.start_us) as f64 * 1e-6;
         if is_of_another_load {
-            (self.turns, self.maneuvers) = (0.0, 0.0);
+            (self.turns, self.maneuvers, self.gain_sds) = (0.0, 0.0, 0.0);
         }
         let greatest_rad = std::mem::take(&mut self.greatest_rad);
+        let gain_sd = std::mem::take(&mut self.gain_sd);
         let gave = maneuver.outcomes.iter().any(|outcome| outcome.height_m.is_ok());
         if gave && greatest_rad > 0.0 {
             self.turns += duration_s / (greatest_rad * greatest_rad);
             self.maneuvers += 1.0;
+            self.gain_sds += gain_sd;
         }
     }
 
     /// Relative standard deviation of the ratio of a channel; zero without a roll rate. The noise of each maneuver is
-    /// another one.
+    /// another one; how the sensor is mounted is learned once for all of them.
     pub fn ratio_sd(&self, channel: Channel) -> f64 {
         if channel.output() != Output::Roll || self.maneuvers < 1.0 {
             return 0.0;
         }
-        SHARE * (self.walk * self.turns).sqrt() / self.maneuvers
+        libm::hypot(SHARE * (self.walk * self.turns).sqrt(), self.gain_sds) / self.maneuvers
     }
 
     /// That of its height, m, at a speed, m/s, and a trailer mass, kg.
@@ -145,6 +151,28 @@ mod tests {
         assert!((with_rejected / four - 1.0).abs() < 0.01, "a turn without a height counts not");
         rated.close(&turn_of_20_s(true), true);
         assert!(rated.ratio_sd(Channel::Steer) <= 0.0, "the new load has no turn yet");
+    }
+
+    #[test]
+    fn how_the_sensor_is_mounted_is_the_same_in_all_turns() {
+        let mut rated = Rated::default();
+        for roll_gain_sd in [0.01, 0.03] {
+            turn(&mut rated, 0.0, 1);
+            let row = LogRow {
+                time_s: 20.0,
+                roll_rate_radps: 0.0,
+                roll_to_gravity_rad: 0.03,
+                ..LogRow::ABSENT
+            };
+            rated.push(&LogRow { roll_gain_sd, ..row });
+            rated.close(&turn_of_20_s(true), false);
+        }
+        // The turns without it count, too.
+        assert!(
+            (rated.ratio_sd(Channel::Steer) - 0.01).abs() < 1e-4,
+            "{}",
+            rated.ratio_sd(Channel::Steer)
+        );
     }
 
     #[test]

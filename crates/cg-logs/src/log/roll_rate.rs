@@ -90,6 +90,8 @@ pub(super) struct RollAngles {
     broken: bool,
     last_rate_s: f64,
     common: Triangle<f64, 2>,
+    /// Number of stretches in `common`, of which each has its share.
+    stretches: f64,
     begun: bool,
     /// Number of turns from which the mounting is known.
     learned: u64,
@@ -114,6 +116,7 @@ impl RollAngles {
             broken: false,
             last_rate_s: f64::NEG_INFINITY,
             common: Triangle::new(),
+            stretches: 0.0,
             begun: false,
             learned: 0,
             turns: [0; 3],
@@ -179,7 +182,7 @@ impl RollAngles {
     /// beginning of what follows.
     fn close(&mut self, lead_s: f64) {
         let turned = std::mem::take(&mut self.turned);
-        let fitted = if self.broken { None } else { self.fitted(turned) };
+        let (fitted, gain_sd) = if self.broken { None } else { self.fitted(turned) }.unzip();
         let broken = std::mem::take(&mut self.broken);
         if turned {
             self.turns[usize::from(fitted.is_none())] += 1;
@@ -190,6 +193,7 @@ impl RollAngles {
         for (index, kept) in self.kept.drain(..emitted).enumerate() {
             let mut row = kept.row;
             let angle = fitted.as_ref().map_or(f64::NAN, |angles| angles[index]);
+            row.roll_gain_sd = gain_sd.unwrap_or(f64::NAN);
             // A rate in a row with an angle to gravity is that of which the angle is the integral.
             if self.angle == Angle::ToGravity {
                 row.roll_rate_radps = f64::NAN;
@@ -206,15 +210,16 @@ impl RollAngles {
         }
     }
 
-    /// The angle of every kept row; `None` if nothing determines it.
-    fn fitted(&mut self, turned: bool) -> Option<Vec<f64>> {
+    /// The angle of every kept row, and its relative standard deviation by mounting and sway; `None` if nothing determines it.
+    fn fitted(&mut self, turned: bool) -> Option<(Vec<f64>, f64)> {
         match self.angle {
             Angle::None => self.between_straights(turned),
-            Angle::ToRoad | Angle::ToGravity => self.blended(turned),
+            // The measured angle gives both in every turn.
+            Angle::ToRoad | Angle::ToGravity => Some((self.blended(turned)?, 0.0)),
         }
     }
 
-    fn between_straights(&mut self, turned: bool) -> Option<Vec<f64>> {
+    fn between_straights(&mut self, turned: bool) -> Option<(Vec<f64>, f64)> {
         let straight: Vec<&Kept> = self.kept.iter().filter(|kept| kept.straight).collect();
         // Before a turn and after it.
         let (first, last) = (straight.first()?, straight.last()?);
@@ -256,12 +261,24 @@ impl RollAngles {
         let [mounting, sway] = common.solve(2).ok()?;
         let angle =
             |kept: &Kept| rolled(kept) + mounting * turned_by(kept) + sway * sway_line(kept);
-        let angles = self.kept.iter().map(angle).collect();
+        let angles: Vec<f64> = self.kept.iter().map(angle).collect();
+        let stretches = MEMORY * self.stretches + 2.0;
+        // What a radian of the mounting, and a unit of the sway, make of the turn, as shares of its angle.
+        let turn = || self.kept.iter().zip(&angles).filter(|(kept, _)| !kept.straight);
+        let square: f64 = turn().map(|(_, angle)| angle * angle).sum();
+        let share = |of: &dyn Fn(&Kept) -> f64| {
+            turn().map(|(k, angle)| angle * of(k)).sum::<f64>() / square
+        };
+        let shares = [share(&turned_by), share(&sway_line)];
+        // How far straight stretches are from upright is measured, too; two of them are used up by what is learned.
+        let free = (stretches - 2.0).max(1.0);
+        let scatter = common.sum_of_squares_at(&[mounting, sway]) / free;
+        let gain_sd = (scatter * common.variance_of(&shares, 2)).sqrt();
         if turned {
-            self.common = common;
+            (self.common, self.stretches) = (common, stretches);
             self.learned += 1;
         }
-        (!turned || self.learned > LEARNING_TURNS).then_some(angles)
+        (!turned || self.learned > LEARNING_TURNS).then_some((angles, gain_sd))
     }
 
     /// The measured angle with its fast part from the rate.

@@ -33,6 +33,9 @@ macro_rules! rows {
             pub trailer_mass_sd_kg: f64,
             /// Position of the trailer's lift axles: 0 down, 1 raised.
             pub lift_axle: f64,
+            /// Relative standard deviation of the roll angles of this turn, by what is not known of the sensor whose
+            /// `roll_rate_radps` they are the integral of. No signal of a log has it.
+            pub roll_gain_sd: f64,
         }
 
         impl LogRow {
@@ -67,6 +70,7 @@ macro_rules! rows {
                     axle_roll_to_gravity_rad,
                     trailer_mass_sd_kg,
                     lift_axle,
+                    roll_gain_sd: f64::NAN,
                 }
             }
         }
