@@ -226,7 +226,7 @@ impl<'a> RollPlane<'a> {
         }
     }
 
-    /// Newton's method, started from the previous state; whether it reached the rounding error. Axles and
+    /// Newton's method, started from the previous state; whether its steps fell below `exact` (g, rad). Axles and
     /// springs are eliminated, which leaves two equations. The curves are linear almost everywhere, so a
     /// few steps are enough.
     pub(super) fn solve(&self, cg_height_m: f64, exact: f64, point: &mut Point) -> bool {
