@@ -37,9 +37,9 @@ use crate::error::VehicleError;
 use crate::load::Load;
 use crate::vehicle::Vehicle;
 
-/// A step of Newton's method (g, rad) below this is due to rounding and ends the iteration.
-const ROUNDING: f64 = 1e-8;
-/// Number of steps.
+/// A step of Newton's method (g, rad) below this always ends the iteration. It is a thousandth of what must agree in the end.
+const LEAST: f64 = 1e-8;
+/// Number of steps after which there is no state.
 const STEPS: usize = 20;
 /// A fifth wheel that is stiffer counts as this stiff. Before its plates separate, at some tens of kN m, it twists by two
 /// milliradians at most, and Newton's method finds the bends of its curve.
@@ -282,7 +282,7 @@ impl<'a> RollPlane<'a> {
             point.tractor_rad += share * tractor_rad;
             point.front_rad += share * front_rad;
             let moved_rad = axles_rad.iter().map(|by_rad| by_rad.abs()).sum::<f64>();
-            if alpha.abs() + tractor_rad.abs() + front_rad.abs() + moved_rad < exact.max(ROUNDING) {
+            if alpha.abs() + tractor_rad.abs() + front_rad.abs() + moved_rad < exact.max(LEAST) {
                 return true;
             }
         }
