@@ -266,7 +266,7 @@ fn upright(vehicle: &Vehicle) -> Vec<Give> {
     vehicle.axles().iter().map(Give::upright).collect()
 }
 
-/// The static loads of a vehicle that has static loads, when some tires have left the road.
+/// The static loads when some tires have left the road, of a vehicle that is [`determined`].
 pub(crate) fn balance_on(
     vehicle: &Vehicle,
     load: Load,

@@ -7,7 +7,7 @@ use crate::truck::ratio::Measured;
 use crate::truck::rollover::{Rollover, Turns};
 
 /// Relative standard deviation of the difference between the thresholds of a design and those of the nonlinear vehicle
-/// (docs/plant.md has a table: from -4.7 to +1.4 %, and lower only where the truck oversteers), and how much greater it is for each
+/// (docs/plant.md has a table: from -4.5 to +1.4 %, and lower only where the truck oversteers), and how much greater it is for each
 /// g above half a g. Low loads and empty trailers are near the limit of their tires there, and too low by up to 10 %.
 const MODEL_SD: (f64, f64) = (0.015, 0.3);
 /// The same of turns at 40 km/h; that of slower ones is greater as they are tighter, by their squared curvature (2 % more at 30

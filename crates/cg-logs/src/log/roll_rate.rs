@@ -92,7 +92,6 @@ pub(super) struct RollAngles {
     common: Triangle<f64, 2>,
     /// Number of stretches in `common`, of which each has its share.
     stretches: f64,
-    begun: bool,
     /// Number of turns from which the mounting is known.
     learned: u64,
     /// Counts of turns: with an angle, without one, and with a rate that contradicts the angle.
@@ -107,6 +106,9 @@ impl RollAngles {
             (false, true) => Angle::ToGravity,
             (false, false) => Angle::None,
         };
+        let mut common = Triangle::new();
+        common.push([1.0 / MOUNTING_SD_RAD, 0.0], 0.0);
+        common.push([0.0, 1.0 / SWAY_SD_RAD], 0.0);
         Self {
             angle,
             kept: Vec::new(),
@@ -115,9 +117,8 @@ impl RollAngles {
             turned: false,
             broken: false,
             last_rate_s: f64::NEG_INFINITY,
-            common: Triangle::new(),
+            common,
             stretches: 0.0,
-            begun: false,
             learned: 0,
             turns: [0; 3],
             gain: f64::NAN,
@@ -210,11 +211,12 @@ impl RollAngles {
         }
     }
 
-    /// The angle of every kept row, and its relative standard deviation by mounting and sway; `None` if nothing determines it.
+    /// The angle of every kept row, and the relative standard deviation of those of a turn by mounting and sway; `None` if nothing
+    /// determines them.
     fn fitted(&mut self, turned: bool) -> Option<(Vec<f64>, f64)> {
         match self.angle {
             Angle::None => self.between_straights(turned),
-            // The measured angle gives both in every turn.
+            // The measured angle gives the mounting and the gain in every turn.
             Angle::ToRoad | Angle::ToGravity => Some((self.blended(turned)?, 0.0)),
         }
     }
@@ -246,10 +248,8 @@ impl RollAngles {
         let (roll_line, turn_line) = (line(|k| k.rolled_rad), line(|k| k.heading_rad));
         let sway_line = line(|k| k.lateral);
         let mut common = self.common;
-        common.scale(MEMORY.sqrt());
-        if !std::mem::replace(&mut self.begun, true) {
-            common.push([1.0 / MOUNTING_SD_RAD, 0.0], 0.0);
-            common.push([0.0, 1.0 / SWAY_SD_RAD], 0.0);
+        if self.learned > 0 {
+            common.scale(MEMORY.sqrt());
         }
         // What the lines leave.
         let rolled = |kept: &Kept| kept.rolled_rad - roll_line(kept);
@@ -262,23 +262,25 @@ impl RollAngles {
         let angle =
             |kept: &Kept| rolled(kept) + mounting * turned_by(kept) + sway * sway_line(kept);
         let angles: Vec<f64> = self.kept.iter().map(angle).collect();
+        if !turned {
+            return Some((angles, f64::NAN));
+        }
         let stretches = MEMORY * self.stretches + 2.0;
         // What a radian of the mounting, and a unit of the sway, make of the turn, as shares of its angle.
-        let turn = || self.kept.iter().zip(&angles).filter(|(kept, _)| !kept.straight);
+        let turn = || self.kept.iter().zip(&angles).filter(|(kept, _)| kept.lateral.abs() >= 1.0);
         let square: f64 = turn().map(|(_, angle)| angle * angle).sum();
         let share = |of: &dyn Fn(&Kept) -> f64| {
             turn().map(|(k, angle)| angle * of(k)).sum::<f64>() / square
         };
         let shares = [share(&turned_by), share(&sway_line)];
-        // How far straight stretches are from upright is measured, too; two of them are used up by what is learned.
+        // How far straight stretches are from upright is measured, too. That as many as two of them are used up by what is learned
+        // is found from the intervals of perfect gyroscopes (test `roll_rate` of `cg-plant`).
         let free = (stretches - 2.0).max(1.0);
         let scatter = common.sum_of_squares_at(&[mounting, sway]) / free;
         let gain_sd = (scatter * common.variance_of(&shares, 2)).sqrt();
-        if turned {
-            (self.common, self.stretches) = (common, stretches);
-            self.learned += 1;
-        }
-        (!turned || self.learned > LEARNING_TURNS).then_some((angles, gain_sd))
+        (self.common, self.stretches) = (common, stretches);
+        self.learned += 1;
+        (self.learned > LEARNING_TURNS).then_some((angles, gain_sd))
     }
 
     /// The measured angle with its fast part from the rate.
@@ -412,4 +414,43 @@ fn slow(times_s: &[f64], values: &mut [f64]) {
     };
     run(&mut (0..times_s.len()));
     run(&mut (0..times_s.len()).rev());
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A straight stretch of 15 s, which has no turn whose gain could be wrong, and then a turn of 10 s to the left every 25 s.
+    #[test]
+    fn only_rows_of_turns_say_how_well_the_mounting_is_known() {
+        let mut angles = RollAngles::new(false, false);
+        let (mut rows, mut told) = (0, 0);
+        for k in 0..7500_u32 {
+            let time_s = f64::from(k) / 50.0;
+            let phase = (time_s - 15.0).rem_euclid(25.0) / 10.0;
+            let turns = time_s >= 15.0 && phase < 1.0;
+            let wave = if turns { std::f64::consts::TAU * phase } else { 0.0 };
+            angles.push(
+                u64::from(k),
+                LogRow {
+                    time_s,
+                    speed_mps: 15.0,
+                    yaw_rate_radps: 0.05 * (1.0 - libm::cos(wave)),
+                    // Half a degree per m/s², and a mounting of 0.02 rad.
+                    roll_rate_radps: 0.13 * 0.05 * libm::sin(wave) * std::f64::consts::TAU / 10.0
+                        - 0.02 * 0.05 * (1.0 - libm::cos(wave)),
+                    ..LogRow::ABSENT
+                },
+            );
+            while let Some((_, row)) = angles.next() {
+                if row.roll_to_gravity_rad.is_finite() && row.time_s < 9.0 {
+                    rows += 1;
+                    assert!(row.roll_gain_sd.is_nan(), "{row:?}");
+                }
+                told += u32::from((1e-6..0.05).contains(&row.roll_gain_sd));
+                assert!(row.roll_gain_sd.is_nan() || row.roll_gain_sd < 0.05, "{row:?}");
+            }
+        }
+        assert!(rows > 300 && told > 500, "{rows} {told}");
+    }
 }

@@ -33,8 +33,8 @@ macro_rules! rows {
             pub trailer_mass_sd_kg: f64,
             /// Position of the trailer's lift axles: 0 down, 1 raised.
             pub lift_axle: f64,
-            /// Relative standard deviation of the roll angles of this turn, by what is not known of the sensor whose
-            /// `roll_rate_radps` they are the integral of. No signal of a log has it.
+            /// Relative standard deviation of the roll angles of this turn due to the unknown mounting of the sensor of
+            /// `roll_rate_radps`, whose integral they are. No signal of a log has it.
             pub roll_gain_sd: f64,
         }
 

@@ -7,8 +7,8 @@
 //! ```text
 //!     trailer   A2 α cos φ2 + B2 sin φ2 = Σ Ms + M5 cos γ     A, S: lateral forces per α times their heights
 //!     tractor   A1 α cos φ1 + B1 sin φ1 = Σ Ms − M5                 above the points that support them
-//!     axle      Ms + S α + C φu = Mt(φu)                      B, C: the same with weights
-//!     springs   Ms of a load group from the mean roll angle of the body relative to its axles
+//!     axle      Ms + S α + C φu = Mt(φu)/cos φu               B, C: the same with weights
+//!     springs   Ms of a load group from the mean of the sines of the body's roll angles relative to its axles
 //! ```
 //!
 //! An axle whose inner wheels have left the road turns about the outer ones and rises, and `S` and `C` contain the rise: it
@@ -16,7 +16,7 @@
 //! `Ms` includes spring curves with friction, `Mt` wheels that lift, and `M5 (φ2 cos γ − φ1)`
 //! plates that separate. Of a trailer whose frame twists, the front half stands on the fifth wheel and the
 //! rear half on the axles; `φ2` is then the roll angle of the rear half, and the front half is eliminated
-//! (`frame`). The axles therefore lift one after the other, and when the first axle of a
+//! (`frame`). The axles lift one after the other, and when the first axle of a
 //! load group lifts, the springs that it shares yield as well. The lateral forces are those of a
 //! steady turn at the given speed (`yaw_plane`). At each roll angle of the trailer, the other
 //! unknowns are solved by Newton's method; the greatest `α` of all roll angles is the threshold

@@ -91,7 +91,8 @@ impl Springs {
         }
     }
 
-    /// How far the body rises, m: springs that get stiffer as they are pressed give way more on the inner side.
+    /// How far the body rises, m: springs that get stiffer as they are pressed extend more on the inner side than they are
+    /// pressed on the outer one.
     pub(super) fn rise_m(&self, apart_m: f64) -> f64 {
         match self {
             Self::Linear(_) => 0.0,

@@ -1,7 +1,7 @@
 //! The axles, which may share springs, eliminated from the equations of the roll plane.
 //!
-//! Axles that share their springs lift one after the other. The one that leans more is pressed down by its link, by up to 2 % of
-//! its load, so that the others do not turn over at once when they lift, too.
+//! Axles that share their springs lift one after the other. The one that leans more is pressed down by its link, by some percent of
+//! its load. Without this, the next one would turn over at once when it lifts.
 
 use super::point::Point;
 use super::support::{Springs, Tyres};
@@ -76,15 +76,20 @@ fn mean(values: impl Iterator<Item = f64>) -> f64 {
     sum / count
 }
 
+/// Axles of a group that lift within this share of a step of Newton's method lift together.
+const TOGETHER: f64 = 1e-9;
+
 /// The linearized equation of an axle.
 struct Follows {
+    /// The derivative with respect to the roll angle of the axle, with the sign of a stiffness.
     stiffness: f64,
     /// Derivatives with respect to `α` and to the roll angle of the body, and the residual.
     direct: [f64; 3],
     /// Derivatives with respect to half the difference of the springs' compressions, and to the mean load of the links.
     by_springs: f64,
     by_links: f64,
-    /// Derivatives of these two with respect to the roll angles of the body and of the axle: what this axle contributes.
+    /// What this axle contributes to these two: the compression per roll angle of the body relative to the axle, and the load
+    /// per roll angle of the axle.
     compresses: f64,
     presses: f64,
     /// The same of the links' mean load with respect to `α`.
@@ -147,14 +152,15 @@ impl Suspension {
         body_rad - point.axles_rad[i]
     }
 
-    /// Moves load between axles that share their springs. The springs press all of them equally, along the axis of each, and a
-    /// link takes its lateral force along the axle: one that leans more is pressed down.
+    /// Moves load between axles that share their springs. The springs press all of them equally, along the vertical axis of each,
+    /// and a link takes what is lateral to the axle, of the lateral force and of theirs: an axle that leans more is pressed down.
+    /// With the springs' force `S` and the lateral force `F`, an axle carries `S/cos φ + F tan φ`.
     pub(super) fn link(&self, point: &mut Point) {
         for group in self.groups.iter().filter(|group| group.axles.len() > 1) {
             let by_link_n = |i: usize| {
                 let (sin, cos) = libm::sincos(point.axles_rad[i]);
                 let carried_n = point.axle_load_n[i] - self.axles[i].own_n;
-                point.alpha * point.sides.axle_n[i] * sin - carried_n * (1.0 - cos)
+                (point.alpha * point.sides.axle_n[i] * sin + carried_n * (1.0 - cos)) / cos
             };
             let mean_n = mean(group.axles.iter().map(|&i| by_link_n(i)));
             let linked_n: Vec<f64> = group.axles.iter().map(|&i| by_link_n(i) - mean_n).collect();
@@ -183,7 +189,7 @@ impl Suspension {
                     second = second.min(share);
                 }
             }
-            if second < 1.0 {
+            if second < 1.0 && second - first > TOGETHER {
                 limit = limit.min(f64::midpoint(first, second));
             }
         }
@@ -260,11 +266,14 @@ impl Suspension {
         // Load that the link of an axle of several moves to it (see `link`), and what load does to the axle.
         let moved = if group.axles.len() > 1 { 1.0 } else { 0.0 };
         let carried_n = point.axle_load_n[i] - axle.own_n;
-        let linked = moved * (point.alpha * axle_n * cos - carried_n * sin);
-        let linked_by_alpha = moved * axle_n * sin;
+        let linked = moved * (point.alpha * axle_n + carried_n * sin) / (cos * cos);
+        let linked_by_alpha = moved * axle_n * sin / cos;
         let by_load = roll_center_m * angle_rad - rise_slope / cos;
         // The points of contact move outward with the tires, which lean.
-        let stiffness = auxiliary + tyre_slope / cos / c - weight_nm - rising - by_load * linked;
+        let stiffness = auxiliary + tyre_slope / cos / c + tyres_nm * sin / (cos * cos)
+            - weight_nm
+            - rising
+            - by_load * linked;
         let residual = springs_nm + weight_nm * angle_rad - tyres_nm / cos + side * point.alpha;
         Follows {
             stiffness,
