@@ -203,27 +203,33 @@ struct Support {
     free_height_m: f64,
 }
 
-fn supports(vehicle: &Vehicle, axles: &[PlacedAxle<'_>], gives: &[Give]) -> Vec<Support> {
-    let mut supports: Vec<(Option<u32>, Support)> = Vec::new();
+/// The axles of each load group; an axle without one is a group of its own.
+pub fn load_groups(axles: &[PlacedAxle<'_>]) -> Vec<Vec<usize>> {
+    let mut groups: Vec<Vec<usize>> = Vec::new();
     for (i, placed) in axles.iter().enumerate() {
-        let group = placed.axle.load_group;
-        let known = supports.iter_mut().find(|(other, support)| {
-            group.is_some() && *other == group && support.on_trailer == placed.on_trailer
+        let group = groups.iter_mut().find(|members| {
+            let first = &axles[members[0]];
+            placed.axle.load_group.is_some()
+                && first.axle.load_group == placed.axle.load_group
+                && first.on_trailer == placed.on_trailer
         });
-        if let Some((_, support)) = known {
-            support.axles.push(i);
-        } else {
-            let support = Support {
-                on_trailer: placed.on_trailer,
-                position_m: 0.0,
-                axles: vec![i],
-                compliance_m_per_n: 0.0,
-                free_height_m: 0.0,
-            };
-            supports.push((group, support));
+        match group {
+            Some(members) => members.push(i),
+            None => groups.push(vec![i]),
         }
     }
-    let mut supports: Vec<Support> = supports.into_iter().map(|(_, support)| support).collect();
+    groups
+}
+
+fn supports(vehicle: &Vehicle, axles: &[PlacedAxle<'_>], gives: &[Give]) -> Vec<Support> {
+    let support = |members: Vec<usize>| Support {
+        on_trailer: axles[members[0]].on_trailer,
+        position_m: 0.0,
+        axles: members,
+        compliance_m_per_n: 0.0,
+        free_height_m: 0.0,
+    };
+    let mut supports: Vec<Support> = load_groups(axles).into_iter().map(support).collect();
     for support in &mut supports {
         // The values of a group are means over its axles, each of which carries 1/n of the load.
         #[allow(clippy::cast_precision_loss)]

@@ -3,7 +3,7 @@
 
 use std::borrow::Cow;
 
-use crate::balance::static_balance;
+use crate::balance::{load_groups, static_balance};
 use crate::error::VehicleError;
 use crate::load::Load;
 use crate::tables::Spring;
@@ -62,12 +62,9 @@ impl Vehicle {
             load_n - placed.axle.unsprung_mass_kg * self.gravity_mps2
         };
         // Axles of a load group have the same load, and share the springs of the first one.
-        let is_of_group = |i: usize, k: usize| {
-            axles[i].axle.load_group.is_some()
-                && axles[i].axle.load_group == axles[k].axle.load_group
-                && axles[i].on_trailer == axles[k].on_trailer
-        };
-        let first = |k: usize| kept.iter().position(|&i| is_of_group(i, kept[k])).unwrap_or(k);
+        let groups = load_groups(&axles);
+        let group = |i: usize| groups.iter().position(|members| members.contains(&i));
+        let first = |k: usize| kept.iter().position(|&i| group(i) == group(kept[k])).unwrap_or(k);
         let factor = |k: usize| {
             let placed = &axles[kept[k]];
             sprung_n(placed, here[k]) / sprung_n(placed, reference[kept[k]])

@@ -14,7 +14,7 @@ use super::state::{AxleCoordinate, Coordinate, MAX_AXLES, State};
 use super::suspension::{Group, Law};
 use super::tyre::{PER_SIDE, Tyres};
 use super::vector::Vector;
-use cg_vehicle::balance::static_balance;
+use cg_vehicle::balance::{load_groups, static_balance};
 use cg_vehicle::characteristics::FifthWheel;
 use cg_vehicle::characteristics::Grip;
 use cg_vehicle::error::VehicleError;
@@ -43,7 +43,7 @@ pub(super) fn parameters(
         .zip(&balance.axle_load_n)
         .map(|(placed, load_n)| load_n - placed.axle.unsprung_mass_kg * g)
         .collect();
-    let members = members(&placed);
+    let members = load_groups(&placed);
     let groups = members
         .iter()
         .map(|axles| group(vehicle, &placed, axles, &sprung_n, options.springs))
@@ -140,24 +140,6 @@ pub(crate) fn check_payload_left(vehicle: &Vehicle, left_m: f64) -> Result<(), V
         )));
     }
     Ok(())
-}
-
-/// Axles of each load group; an axle without one is a group of its own.
-fn members(placed: &[PlacedAxle<'_>]) -> Vec<Vec<usize>> {
-    let mut members: Vec<Vec<usize>> = Vec::new();
-    for (i, p) in placed.iter().enumerate() {
-        let partner = members.iter_mut().find(|axles| {
-            let first = &placed[axles[0]];
-            p.axle.load_group.is_some()
-                && first.axle.load_group == p.axle.load_group
-                && first.on_trailer == p.on_trailer
-        });
-        match partner {
-            Some(axles) => axles.push(i),
-            None => members.push(vec![i]),
-        }
-    }
-    members
 }
 
 fn group(

@@ -74,7 +74,8 @@ impl RollPlane<'_> {
         let [mut before, mut greatest] = self.greatest(cg_height_m, step_rad, self.start()?);
         if greatest.slides {
             // How near the path comes to the tightest turn depends on its steps.
-            return Some(self.greatest(cg_height_m, SLIDING * fine_rad, before)[1].clone());
+            let [_, greatest] = self.greatest(cg_height_m, SLIDING * fine_rad, before);
+            return Some(greatest);
         }
         let mut step_rad = step_rad;
         // A vehicle that tips at once has its greatest value at the start.

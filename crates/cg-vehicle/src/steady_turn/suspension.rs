@@ -5,6 +5,7 @@
 
 use super::point::Point;
 use super::support::{Springs, Tyres};
+use crate::balance::load_groups;
 use crate::vehicle::{PlacedAxle, Vehicle};
 
 pub(super) struct Axle {
@@ -42,25 +43,12 @@ pub(super) struct Group {
 impl Group {
     /// The pairs of springs: one for each load group, and one for each axle without a group.
     pub(super) fn all(vehicle: &Vehicle, placed: &[PlacedAxle<'_>], sprung_n: &[f64]) -> Vec<Self> {
-        let mut members: Vec<Vec<usize>> = Vec::new();
-        for (i, axle) in placed.iter().enumerate() {
-            let partner = members.iter_mut().find(|group| {
-                let first = &placed[group[0]];
-                axle.axle.load_group.is_some()
-                    && first.axle.load_group == axle.axle.load_group
-                    && first.on_trailer == axle.on_trailer
-            });
-            match partner {
-                Some(group) => group.push(i),
-                None => members.push(vec![i]),
-            }
-        }
         let pair = |axles: Vec<usize>| {
             let of: Vec<_> = axles.iter().map(|&i| &placed[i]).collect();
             let mean_n = mean(axles.iter().map(|&i| sprung_n[i]));
             Self { springs: Springs::of(vehicle, &of, mean_n), axles }
         };
-        members.into_iter().map(pair).collect()
+        load_groups(placed).into_iter().map(pair).collect()
     }
 
     /// Share of an axle.
