@@ -138,73 +138,92 @@ impl Tyres {
         }
     }
 
-    /// The tires leave the road from the inner side on. Returns the number of tires that carry load
-    /// at a roll angle of the axle, and the deflection at the axle's middle.
-    fn standing(&self, load_n: f64, angle_rad: f64) -> (usize, f64) {
-        let mut count = self.levers_m.len();
+    /// The tires on the road at a roll angle of the axle. They leave it from the inner side on.
+    fn on_road(&self, load_n: f64, angle_rad: f64) -> OnRoad<'_> {
+        let mut levers_m = &self.levers_m[..];
         loop {
             #[allow(clippy::cast_precision_loss)] // a few tires
-            let n = count as f64;
-            let sum: f64 = self.levers_m[..count].iter().sum();
-            let pressed_m = (load_n / self.stiffness_n_per_m - angle_rad * sum) / n;
-            if count == 1 || pressed_m + angle_rad * self.levers_m[count - 1] >= 0.0 {
-                return (count, pressed_m);
+            let count = levers_m.len() as f64;
+            let sum_m: f64 = levers_m.iter().sum();
+            let pressed_m = (load_n / self.stiffness_n_per_m - angle_rad * sum_m) / count;
+            match levers_m {
+                [others @ .., inner_m]
+                    if !others.is_empty() && !(pressed_m + angle_rad * inner_m >= 0.0) =>
+                {
+                    levers_m = others;
+                }
+                _ => return OnRoad { levers_m, count, sum_m, pressed_m },
             }
-            count -= 1;
         }
     }
 
     /// The roll angle at which the next tire leaves the road; `None` if it is the last one.
     pub(super) fn next_lift_rad(&self, load_n: f64, angle_rad: f64) -> Option<f64> {
-        let (count, _) = self.standing(load_n, angle_rad);
-        #[allow(clippy::cast_precision_loss)] // a few tires
-        let n = count as f64;
-        let sum: f64 = self.levers_m[..count].iter().sum();
-        let spread_m = sum - n * self.levers_m[count - 1];
+        let on = self.on_road(load_n, angle_rad);
+        let spread_m = on.sum_m - on.count * on.levers_m.last()?;
         (spread_m > 0.0).then(|| load_n / self.stiffness_n_per_m / spread_m)
     }
 
     /// Whether the inner side has left the road.
     pub(super) fn inner_lifted(&self, load_n: f64, angle_rad: f64) -> bool {
-        self.standing(load_n, angle_rad).0 <= self.levers_m.len() / 2
+        self.on_road(load_n, angle_rad).levers_m.len() <= self.levers_m.len() / 2
     }
 
     /// Load of each tire on the road.
     pub(super) fn loads_n(&self, load_n: f64, angle_rad: f64) -> impl Iterator<Item = f64> {
-        let (count, pressed_m) = self.standing(load_n, angle_rad);
+        let OnRoad { levers_m, pressed_m, .. } = self.on_road(load_n, angle_rad);
         let each_n = move |lever| self.stiffness_n_per_m * (pressed_m + angle_rad * lever);
-        self.levers_m[..count].iter().map(each_n)
+        levers_m.iter().map(each_n)
     }
 
     /// Deflection of the tires at a roll angle of the axle.
     pub(super) fn give(&self, load_n: f64, angle_rad: f64) -> Give {
-        let (count, _) = self.standing(load_n, angle_rad);
-        #[allow(clippy::cast_precision_loss)]
-        let n = count as f64;
-        let sum: f64 = self.levers_m[..count].iter().sum();
-        Give { compliance_m_per_n: 1.0 / (n * self.stiffness_n_per_m), rise_m: angle_rad * sum / n }
+        let OnRoad { count, sum_m, .. } = self.on_road(load_n, angle_rad);
+        Give {
+            compliance_m_per_n: 1.0 / (count * self.stiffness_n_per_m),
+            rise_m: angle_rad * sum_m / count,
+        }
     }
 
-    /// How far the axle rises at a roll angle, m, and its slope over the angle: it turns about the tires that stay on the road,
-    /// which are pressed more.
-    pub(super) fn rise(&self, load_n: f64, angle_rad: f64) -> (f64, f64) {
-        let (count, pressed_m) = self.standing(load_n, angle_rad);
-        #[allow(clippy::cast_precision_loss)] // a few tires
-        let [n, all] = [count, self.levers_m.len()].map(|count| count as f64);
-        let sum: f64 = self.levers_m[..count].iter().sum();
-        (load_n / (all * self.stiffness_n_per_m) - pressed_m, sum / n)
+    /// How far the axle rises at a roll angle, m: it turns about the tires that stay on the road, which are pressed more.
+    pub(super) fn rise_m(&self, load_n: f64, angle_rad: f64) -> f64 {
+        self.rise_of(&self.on_road(load_n, angle_rad), load_n)
     }
 
-    /// Righting moment, and its slope over the roll angle of the axle.
-    pub(super) fn moment(&self, load_n: f64, angle_rad: f64) -> (f64, f64) {
-        let (count, pressed_m) = self.standing(load_n, angle_rad);
-        let levers_m = &self.levers_m[..count];
-        let (sum, square) =
-            levers_m.iter().fold((0.0, 0.0), |(sum, square), y| (sum + y, square + y * y));
-        #[allow(clippy::cast_precision_loss)]
-        let slope = self.stiffness_n_per_m * (square - sum * sum / count as f64);
-        let moment = self.stiffness_n_per_m * (pressed_m * sum + angle_rad * square);
+    #[allow(clippy::cast_precision_loss)] // a few tires
+    fn rise_of(&self, on: &OnRoad<'_>, load_n: f64) -> f64 {
+        load_n / (self.levers_m.len() as f64 * self.stiffness_n_per_m) - on.pressed_m
+    }
+
+    /// What the tires do to the axle at a roll angle.
+    pub(super) fn right(&self, load_n: f64, angle_rad: f64) -> Righting {
+        let on = self.on_road(load_n, angle_rad);
+        let square: f64 = on.levers_m.iter().map(|y| y * y).sum();
+        let slope = self.stiffness_n_per_m * (square - on.sum_m * on.sum_m / on.count);
+        let moment = self.stiffness_n_per_m * (on.pressed_m * on.sum_m + angle_rad * square);
         let overturning = self.overturning_nm_per_rad;
-        (moment + overturning * angle_rad, slope + overturning)
+        Righting {
+            moment_nm: moment + overturning * angle_rad,
+            slope: slope + overturning,
+            rise_m: self.rise_of(&on, load_n),
+            lever_m: on.sum_m / on.count,
+        }
     }
+}
+
+/// The tires of an axle that carry load: their levers, number and the sum of the levers, and the deflection at the axle's middle.
+struct OnRoad<'a> {
+    levers_m: &'a [f64],
+    count: f64,
+    sum_m: f64,
+    pressed_m: f64,
+}
+
+/// Righting moment of the tires and its slope over the roll angle of the axle; how far the axle rises, and the slope of that,
+/// which is also the moment per load.
+pub(super) struct Righting {
+    pub(super) moment_nm: f64,
+    pub(super) slope: f64,
+    pub(super) rise_m: f64,
+    pub(super) lever_m: f64,
 }

@@ -4,7 +4,7 @@
 //! its load. Without this, the next one would turn over at once when it lifts.
 
 use super::point::Point;
-use super::support::{Springs, Tyres};
+use super::support::{Righting, Springs, Tyres};
 use crate::balance::load_groups;
 use crate::vehicle::{PlacedAxle, Vehicle};
 
@@ -118,7 +118,7 @@ impl Suspension {
             let springs_m = group.springs.rise_m(self.apart_m(group, point));
             for &i in &group.axles {
                 let angle_rad = self.angle_rad(i, point);
-                let (tyres_m, _) = self.axles[i].tyres.rise(point.load_n(i), angle_rad);
+                let tyres_m = self.axles[i].tyres.rise_m(point.load_n(i), angle_rad);
                 risen_m[i] = self.compliance * (tyres_m + springs_m);
             }
         }
@@ -242,8 +242,8 @@ impl Suspension {
         let lever_m = axle.half_spread_m * libm::cos(lean_rad);
         let auxiliary = axle.auxiliary_nm_per_rad / c;
         let springs_nm = lever_m * force_n + auxiliary * lean_rad;
-        let (tyres_nm, tyre_slope) = axle.tyres.moment(load_n, angle_rad / c);
-        let (rise_m, rise_slope) = axle.tyres.rise(load_n, angle_rad / c);
+        let Righting { moment_nm: tyres_nm, slope: tyre_slope, rise_m, lever_m: rise_slope } =
+            axle.tyres.right(load_n, angle_rad / c);
         let [axle_n, own_n] = [point.sides.axle_n[i], point.sides.own_n[i]];
         let roll_center_m = axle.roll_center_m + point.risen_m[i];
         let center_m = axle.center_m + c * rise_m;
