@@ -275,3 +275,54 @@ impl Suspension {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::yaw_plane::{Drift, Sides};
+    use super::*;
+    use crate::balance::static_balance;
+
+    /// On each axle the link's force `T`, lateral to the axle, and that of the springs `S`, the same on all axles of a group, balance
+    /// the lateral force `F` and the load `V`: `T cos φ − S sin φ = F`, `S cos φ + T sin φ = V`. The code takes the mean load of the
+    /// group for `S`, which leaves out `F φ · φ²/2`.
+    #[test]
+    fn links_press_down_the_axle_that_leans_more() {
+        let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/vehicles/baseline.toml");
+        let vehicle = Vehicle::load(file).unwrap();
+        let axle_load_n = static_balance(&vehicle, vehicle.reference_load()).unwrap().axle_load_n;
+        let suspension = Suspension::of(&vehicle, &axle_load_n, 1.0);
+        let [first, second] = suspension.groups.last().unwrap().axles[..] else {
+            panic!("two axles")
+        };
+        let count = axle_load_n.len();
+        let mut point = Point {
+            roll_rad: 0.12,
+            alpha: 0.4,
+            tractor_rad: 0.0,
+            front_rad: 0.0,
+            axles_rad: vec![0.0; count],
+            axle_load_n: axle_load_n.clone(),
+            risen_m: vec![0.0; count],
+            linked_n: vec![0.0; count],
+            hitch_load_n: 0.0,
+            sides: Sides { axle_n: vec![6e4; count], ..Sides::default() },
+            drift: Drift::default(),
+            slides: false,
+        };
+        (point.axles_rad[first], point.axles_rad[second]) = (0.02, 0.1);
+        suspension.link(&mut point);
+        let total_n = 2.0 * (axle_load_n[first] - suspension.axles[first].own_n);
+        let side_n = 0.4 * 6e4;
+        let leans = [(first, 0.02_f64), (second, 0.1)];
+        let by_springs: f64 = leans.iter().map(|(_, rad)| 1.0 / rad.cos()).sum();
+        let by_links_n: f64 = leans.iter().map(|(_, rad)| side_n * rad.tan()).sum();
+        let springs_n = (total_n - by_links_n) / by_springs;
+        for (i, rad) in leans {
+            let link_n = (side_n + springs_n * rad.sin()) / rad.cos();
+            let moved_n = springs_n * rad.cos() + link_n * rad.sin() - 0.5 * total_n;
+            println!("{moved_n:.0} N, {:.0} N", point.linked_n[i]);
+            let left_out_n = 0.5 * side_n * 0.1_f64.powi(3);
+            assert!((point.linked_n[i] - moved_n).abs() < left_out_n, "{moved_n}");
+        }
+    }
+}
