@@ -72,6 +72,12 @@ impl Patch {
         self.0[0] + self.0[1] * slip + (self.0[2] + self.0[3] * slip) * load
     }
 
+    /// The derivative with respect to the slip.
+    #[inline]
+    fn by_slip(&self, load: f64) -> f64 {
+        self.0[1] + self.0[3] * load
+    }
+
     /// The bilinear function through the values at the corners of the cell. An unbounded cell
     /// continues the function beyond the last node: constant, or linearly along the axis.
     fn through(f: impl Fn(f64, f64) -> f64, slip: (f64, f64), load: (f64, f64)) -> Self {
@@ -196,12 +202,28 @@ impl Grip {
     /// The same as [`at`](Self::at), if the slip is probably in row `guess`.
     #[inline]
     pub fn near(&self, slip_rad: f64, load_n: f64, guess: usize) -> (f64, f64) {
-        let size = slip_rad.abs();
-        let (i, j) = (self.by_slip.below_near(size, guess), self.by_load.below(load_n));
-        let (force, moment) = &self.cells[i * self.by_load.at.len() + j];
-        let (a, l) = (size - self.by_slip.at[i], load_n - self.by_load.at[j]);
+        let ((force, moment), a, l) = self.cell(slip_rad.abs(), load_n, guess);
         let force_n = force.at(a, l) * (self.scale.0 + self.scale.1 * load_n);
         (force_n.copysign(-slip_rad), moment.at(a, l).copysign(slip_rad))
+    }
+
+    /// The same, and the derivatives of both with respect to the slip angle.
+    #[inline]
+    pub fn sloped(&self, slip_rad: f64, load_n: f64, guess: usize) -> [(f64, f64); 2] {
+        let ((force, moment), a, l) = self.cell(slip_rad.abs(), load_n, guess);
+        let scale = self.scale.0 + self.scale.1 * load_n;
+        [
+            ((force.at(a, l) * scale).copysign(-slip_rad), moment.at(a, l).copysign(slip_rad)),
+            (-force.by_slip(l) * scale, moment.by_slip(l)),
+        ]
+    }
+
+    /// The cell of force and moment, and slip and load measured from its corner.
+    #[inline]
+    fn cell(&self, slip_rad: f64, load_n: f64, guess: usize) -> (&(Patch, Patch), f64, f64) {
+        let (i, j) = (self.by_slip.below_near(slip_rad, guess), self.by_load.below(load_n));
+        let cell = &self.cells[i * self.by_load.at.len() + j];
+        (cell, slip_rad - self.by_slip.at[i], load_n - self.by_load.at[j])
     }
 }
 
@@ -251,6 +273,27 @@ mod tests {
                         off_n < 1e-12 * (1.0 + load_n),
                         "{file} {slip_rad} {load_n}: {found_n}"
                     );
+                }
+            }
+        }
+    }
+
+    /// A central difference is exact within a cell up to rounding, because force and moment are linear in the slip there.
+    #[test]
+    fn slopes_are_those_of_the_grip() {
+        for file in ["baseline-tables.toml", "baseline.toml"] {
+            let grip = Grip::new(&tyre(file), false);
+            for slip_rad in [-0.2, -0.05, -0.003, 0.003, 0.05, 0.2] {
+                for load_n in [700.0, 13_345.0, 20_100.0, 60_000.0] {
+                    let row = grip.row(slip_rad);
+                    let [here, slopes] = grip.sloped(slip_rad, load_n, row);
+                    assert_eq!(here, grip.near(slip_rad, load_n, row));
+                    let [more, less] = [1e-6, -1e-6].map(|step| grip.at(slip_rad + step, load_n));
+                    let by_force = (more.0 - less.0) / 2e-6;
+                    let by_moment = (more.1 - less.1) / 2e-6;
+                    // Rounding of the forces, divided by the step: 60 kN · 2⁻⁵² / 1e-6 is 13 µN/rad.
+                    assert!((slopes.0 - by_force).abs() < 1e-4, "{file} {slip_rad} {load_n}");
+                    assert!((slopes.1 - by_moment).abs() < 1e-4, "{file} {slip_rad} {load_n}");
                 }
             }
         }

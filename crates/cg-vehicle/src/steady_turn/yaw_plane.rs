@@ -31,8 +31,6 @@ const FOLLOWED: usize = 100;
 const FOLLOWED_RAD: f64 = 1e-3;
 /// Number of turns by way of which a tight one is found.
 const GENTLER: u32 = 8;
-/// Step of the velocity for a numerical derivative.
-const PROBE_MPS: f64 = 1e-4;
 
 /// An axle in the yaw plane.
 struct Rolling {
@@ -110,6 +108,25 @@ pub(super) struct Standing {
     pub(super) lean_rad: f64,
 }
 
+/// Lateral force and aligning moment of an axle, and their derivatives with respect to its velocity across.
+#[derive(Default)]
+struct Held {
+    force_n: f64,
+    moment_nm: f64,
+    force_slope: f64,
+    moment_slope: f64,
+}
+
+impl Held {
+    /// Adds the moment about a point, and its slope.
+    fn add_about(&self, lever_m: f64, (moment_nm, slope): (f64, f64)) -> (f64, f64) {
+        (
+            moment_nm + self.force_n * lever_m + self.moment_nm,
+            slope + self.force_slope * lever_m + self.moment_slope,
+        )
+    }
+}
+
 impl Turn {
     pub(super) fn new(vehicle: &Vehicle, trailer: &SprungMass, speed_mps: f64) -> Self {
         let placed = vehicle.axles();
@@ -141,17 +158,6 @@ impl Turn {
             trailer_cg_m: trailer.cg_behind_hitch_m,
             front_m,
         }
-    }
-
-    /// Force and aligning moment of an axle's tires at a slip angle.
-    fn grip(&self, axle: &Rolling, slip_rad: f64, on: &Standing) -> (f64, f64) {
-        let grip = &self.kinds[axle.kind];
-        let row = grip.row(slip_rad);
-        on.loads_n.iter().fold((0.0, 0.0), |sum, &load_n| {
-            let (force_n, moment_nm) = grip.near(slip_rad, load_n, row);
-            // The force of the tires is opposite to the slip.
-            (sum.0 - force_n, sum.1 + moment_nm)
-        })
     }
 
     /// The forces at a lateral acceleration, for the present state of the axles; `None` if there is no such turn: the
@@ -222,10 +228,27 @@ impl Turn {
         })
     }
 
-    /// Force and aligning moment of an axle at the slip angle of its middle.
-    fn held(&self, i: usize, slip_rad: f64, standing: &[Standing]) -> (f64, f64) {
+    /// Force and aligning moment of an axle when its middle moves across at `across_mps` and along at `along_mps`, and the
+    /// derivatives of both with respect to `across_mps`.
+    fn held(&self, i: usize, across_mps: f64, along_mps: f64, standing: &[Standing]) -> Held {
         let (axle, on) = (&self.axles[i], &standing[i]);
-        self.grip(axle, slip_rad + axle.roll_steer * on.lean_rad, on)
+        let slope = -across_mps / along_mps;
+        let slip_rad = libm::atan(slope) + axle.roll_steer * on.lean_rad;
+        let grip = &self.kinds[axle.kind];
+        let row = grip.row(slip_rad);
+        let mut held = Held::default();
+        for &load_n in &on.loads_n {
+            let [(force_n, moment_nm), slopes] = grip.sloped(slip_rad, load_n, row);
+            // The force of the tires is opposite to the slip.
+            held.force_n -= force_n;
+            held.moment_nm += moment_nm;
+            held.force_slope -= slopes.0;
+            held.moment_slope += slopes.1;
+        }
+        let by_across = -1.0 / (along_mps * (1.0 + slope * slope));
+        held.force_slope *= by_across;
+        held.moment_slope *= by_across;
+        held
     }
 
     /// Solves for the forces of the trailer's axles. Returns the lateral and the longitudinal force
@@ -242,19 +265,18 @@ impl Turn {
         let inertia_kgm = self.trailer_kg * self.trailer_cg_m
             + axles().map(|i| self.axles[i].own_kg * self.axles[i].position_m).sum::<f64>();
         let held = |i: usize, v: f64| {
-            let x = self.axles[i].position_m;
-            self.held(i, libm::atan((pace.radps * x - v) / pace.trailer_mps), standing)
+            let across_mps = v - pace.radps * self.axles[i].position_m;
+            self.held(i, across_mps, pace.trailer_mps, standing)
         };
         drift.trailer_mps = newton(drift.trailer_mps, |v| {
-            let moment = |i: usize| {
-                let (force_n, moment_nm) = held(i, v);
-                force_n * self.axles[i].position_m + moment_nm
-            };
-            axles().map(moment).sum::<f64>() - pace.acceleration * inertia_kgm
+            axles().fold((-pace.acceleration * inertia_kgm, 0.0), |sum, i| {
+                held(i, v).add_about(self.axles[i].position_m, sum)
+            })
         })?;
         let mut across_n = self.trailer_kg * pace.acceleration;
         for i in axles() {
-            axle_n[i] = held(i, drift.trailer_mps).0 - self.axles[i].own_kg * pace.acceleration;
+            axle_n[i] =
+                held(i, drift.trailer_mps).force_n - self.axles[i].own_kg * pace.acceleration;
             across_n -= axle_n[i];
         }
         // If the c.g. is ahead of the foot of the perpendicular from the center of the turn, the
@@ -285,18 +307,14 @@ impl Turn {
             acceleration * inertia_kgm + hitch_n * (self.front_m + self.hitch_behind_cg_m);
         let held = |i: usize, v: f64| {
             let across_mps = v + pace.radps * self.axles[i].position_m;
-            self.held(i, libm::atan(-across_mps / self.speed_mps), standing)
+            self.held(i, across_mps, self.speed_mps, standing)
         };
         drift.tractor_mps = newton(drift.tractor_mps, |v| {
-            let moment = |i: usize| {
-                let (force_n, moment_nm) = held(i, v);
-                force_n * behind_m(i) + moment_nm
-            };
-            on(false).map(moment).sum::<f64>() - needed_nm
+            on(false).fold((-needed_nm, 0.0), |sum, i| held(i, v).add_about(behind_m(i), sum))
         })?;
         let mut rest_n = self.tractor_kg * acceleration + hitch_n;
         for i in on(false) {
-            axle_n[i] = held(i, drift.tractor_mps).0 - self.axles[i].own_kg * acceleration;
+            axle_n[i] = held(i, drift.tractor_mps).force_n - self.axles[i].own_kg * acceleration;
             rest_n -= axle_n[i];
         }
         #[allow(clippy::cast_precision_loss)] // one or two
@@ -306,11 +324,10 @@ impl Turn {
     }
 }
 
-/// A root near a velocity; `None` if the slope does not lead to one.
-fn newton(mut v: f64, residual: impl Fn(f64) -> f64) -> Option<f64> {
+/// A root near a velocity of a function, which is given with its slope; `None` if the slope does not lead to one.
+fn newton(mut v: f64, residual: impl Fn(f64) -> (f64, f64)) -> Option<f64> {
     for _ in 0..STEPS {
-        let here = residual(v);
-        let slope = (residual(v - PROBE_MPS) - here) / -PROBE_MPS;
+        let (here, slope) = residual(v);
         let step = here / slope;
         if !(slope < 0.0 && step.abs() < 5.0) {
             return None;
