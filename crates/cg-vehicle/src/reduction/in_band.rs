@@ -20,7 +20,7 @@ use nalgebra::{Complex, DMatrix, DVector};
 
 use crate::error::VehicleError;
 use crate::response::StateSpace;
-use crate::system::{Rational, response_of, state_at};
+use crate::system::{Oscillations, Rational, response_of};
 
 /// Least and greatest frequency. Trailers roll in lane changes at 1.5 to 3 rad/s; beyond 12 rad/s a
 /// driver excites nothing.
@@ -81,8 +81,9 @@ fn noise(input: Input) -> impl Iterator<Item = Point> {
 impl<'a> Band<'a> {
     /// The states of a model at `pace`.
     pub(super) fn new(model: &'a StateSpace, pace: f64) -> Result<Self, VehicleError> {
+        let oscillations = Oscillations::of(&model.a, &model.b);
         let points = frequencies()
-            .map(|omega_radps| Ok((omega_radps, state_at(&model.a, &model.b, omega_radps)?)))
+            .map(|omega_radps| Ok((omega_radps, oscillations.state_at(omega_radps)?)))
             .collect::<Result<_, VehicleError>>()?;
         Ok(Self { model, pace, points })
     }

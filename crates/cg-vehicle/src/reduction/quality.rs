@@ -1,7 +1,7 @@
 //! The error of a reduced model compared with the full one.
 
 use crate::error::VehicleError;
-use crate::system::System;
+use crate::system::{Oscillations, System};
 
 /// Samples per second at which step responses are compared.
 const RATE_HZ: f64 = 100.0;
@@ -75,10 +75,11 @@ pub fn h_infinity(system: &System) -> Result<f64, VehicleError> {
     let sizes: Vec<f64> = system.poles()?.iter().map(|(re, im)| libm::hypot(*re, *im)).collect();
     let slowest = sizes.iter().copied().fold(f64::INFINITY, f64::min) / 100.0;
     let fastest = sizes.iter().copied().fold(0.0, f64::max) * 100.0;
-    let at = |log: f64| system.magnitude(libm::exp(log));
     if sizes.is_empty() {
         return Ok(system.d.abs());
     }
+    let oscillations = Oscillations::of(&system.a, &system.b);
+    let at = |log: f64| system.magnitude_of(&oscillations, libm::exp(log));
     let (low, high) = (libm::log(slowest), libm::log(fastest));
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // a few hundred
     let steps = ((high - low) / std::f64::consts::LN_10 * f64::from(PER_DECADE)).ceil() as u32;
