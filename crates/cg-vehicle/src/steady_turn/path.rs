@@ -17,6 +17,9 @@ const TURN_G: f64 = 0.02;
 /// threshold of an empty truck, where the curve is steepest.
 const STEP_RAD: f64 = 8e-3;
 const FINE_RAD: f64 = 5e-4;
+/// While all wheels are on the road, the lateral acceleration grows with the roll angle, and the steps that find its greatest value are
+/// this many times as large.
+const UPRIGHT: f64 = 4.0;
 /// Where it slides, the steps are halved many times, so that steps this many times as large are fine.
 const SLIDING: f64 = 2.0;
 /// Number of times that a step may be halved.
@@ -108,6 +111,10 @@ impl RollPlane<'_> {
         let (mut to_rad, mut missing) = (start.roll_rad, 0);
         let mut point = start.clone();
         let [mut before, mut greatest] = [start.clone(), start];
+        while self.rise_upright(cg_height_m, UPRIGHT * step_rad, &mut point) {
+            (before, greatest) = (greatest, point.clone());
+            to_rad = point.roll_rad;
+        }
         while to_rad < END_RAD
             && missing <= JUMP
             && point.alpha >= FALLEN * greatest.alpha
@@ -123,6 +130,26 @@ impl RollPlane<'_> {
             }
         }
         [before, greatest]
+    }
+
+    /// Moves to a larger roll angle of the trailer if all wheels stay on the road and the lateral acceleration grows; whether it does.
+    fn rise_upright(&self, cg_height_m: f64, step_rad: f64, point: &mut Point) -> bool {
+        let mut next = point.clone();
+        next.roll_rad += step_rad;
+        let rises = self.settle(cg_height_m, &mut next).is_ok()
+            && next.alpha > point.alpha
+            && self.axles_on_road(&next);
+        if rises {
+            *point = next;
+        }
+        rises
+    }
+
+    fn axles_on_road(&self, point: &Point) -> bool {
+        let Suspension { axles, .. } = &self.suspension;
+        axles.iter().enumerate().all(|(i, axle)| {
+            axle.tyres.all_on_road(point.load_n(i), self.suspension.angle_rad(i, point))
+        })
     }
 
     /// Whether all inner wheels but those of steered axles have lifted.

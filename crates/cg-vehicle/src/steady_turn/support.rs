@@ -169,6 +169,11 @@ impl Tyres {
         self.on_road(load_n, angle_rad).levers_m.len() <= self.levers_m.len() / 2
     }
 
+    /// Whether no tire has left the road.
+    pub(super) fn all_on_road(&self, load_n: f64, angle_rad: f64) -> bool {
+        self.on_road(load_n, angle_rad).levers_m.len() == self.levers_m.len()
+    }
+
     /// Load of each tire on the road.
     pub(super) fn loads_n(&self, load_n: f64, angle_rad: f64) -> impl Iterator<Item = f64> {
         let OnRoad { levers_m, pressed_m, .. } = self.on_road(load_n, angle_rad);
