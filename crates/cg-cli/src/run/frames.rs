@@ -1,6 +1,7 @@
 //! Conversion of CAN frames to samples, and detection of missing signals.
 
 use std::io::{self, Write};
+use std::time::Duration;
 
 use cg_core::{AlignSettings, Quantity, Sample};
 use cg_logs::can::{Decoder, Frame, Sampler};
@@ -112,6 +113,15 @@ impl Frames {
         #[allow(clippy::cast_precision_loss)]
         session.tick(raw_us as f64 * 1e-6, stream_us);
         self.pass(session)
+    }
+
+    /// Follows that no frame has come for this time, although they should in real time.
+    pub(crate) fn stall<W: Write>(
+        &mut self,
+        silence: Duration,
+        session: &mut Session<W>,
+    ) -> io::Result<()> {
+        session.stall(silence, |now_us| self.presence.missing(now_us))
     }
 
     /// Passes on the samples that still wait for other signals, at the end of a log.

@@ -9,7 +9,7 @@ use anyhow::{Context, bail};
 use cg_core::Quantity;
 use cg_logs::can::{CandumpReader, Clock};
 use cg_logs::estimate::SpeedAge;
-use cg_logs::log::{FrameText, LogOptions, LogReader, LogRow, Signal};
+use cg_logs::log::{FrameText, LogError, LogOptions, LogReader, LogRow, Signal};
 use cg_vehicle::scales::Scale;
 
 use super::args::RunArgs;
@@ -18,20 +18,32 @@ use super::pace::too_slow;
 use super::presence::Presence;
 use super::session::Session;
 use super::signals::Stop;
-use super::stall::Stalling;
+use super::stall::{Pauses, Stalling};
 
 /// Pause that is not waited for, µs: a truck that is parked, or a clock that is set after a start without one.
 const PAUSE_US: u64 = 600_000_000;
 
-/// Waits until as much time has passed as between the time stamps.
+/// Waits until as much time has passed as between the time stamps. Rows that should come in real time are late if nothing comes.
 struct Pace<'a> {
     /// When the drive began, after the last long pause, the stream time of that, and the last one, µs.
     began: Option<(Instant, u64, u64)>,
     realtime: bool,
     stop: &'a Stop,
+    /// When the last one was due.
+    passed: Instant,
+    pauses: Pauses,
 }
 
-impl Pace<'_> {
+impl<'a> Pace<'a> {
+    fn new(realtime: bool, stop: &'a Stop) -> Self {
+        Self { began: None, realtime, stop, passed: Instant::now(), pauses: Pauses::default() }
+    }
+
+    /// Time in which nothing has come.
+    fn silence(&self) -> Duration {
+        self.passed.elapsed()
+    }
+
     /// Waits for the time of this stream time, or until the program is asked to stop.
     fn wait(&mut self, stream_us: u64) {
         if !self.realtime {
@@ -45,6 +57,8 @@ impl Pace<'_> {
         if let Some(rest) = due.checked_sub(began.elapsed()) {
             self.stop.wait_at_most(rest);
         }
+        self.passed = Instant::now();
+        self.pauses.tell();
     }
 }
 
@@ -100,7 +114,7 @@ fn open(path: &Path) -> anyhow::Result<File> {
 }
 
 /// The stream of a pipe or of standard input.
-fn piped(path: &Path, stop: &Stop) -> anyhow::Result<Text> {
+fn piped(path: &Path, pace: &Pace<'_>) -> anyhow::Result<Text> {
     let file = path.to_owned();
     let open = move || -> io::Result<Text> {
         if is_standard_input(&file) {
@@ -109,7 +123,7 @@ fn piped(path: &Path, stop: &Stop) -> anyhow::Result<Text> {
             Ok(Box::new(File::open(file)?))
         }
     };
-    let stream = Stalling::new(open, stop);
+    let stream = Stalling::new(open, (&pace.pauses, pace.stop));
     Ok(Box::new(stream.with_context(|| format!("{}: cannot be read", name(path)))?))
 }
 
@@ -150,10 +164,10 @@ fn rows(path: &Path, reader: LogReader) -> anyhow::Result<Box<LogReader>> {
 fn piped_rows(
     path: &Path,
     options: &LogOptions,
-    stop: &Stop,
+    pace: &Pace<'_>,
 ) -> anyhow::Result<Option<Box<LogReader>>> {
-    let reader = LogReader::from_reader(&name(path), piped(path, stop)?, options);
-    unless_stopped(reader, stop)?.map(|reader| rows(path, reader)).transpose()
+    let reader = LogReader::from_reader(&name(path), piped(path, pace)?, options);
+    unless_stopped(reader, pace.stop)?.map(|reader| rows(path, reader)).transpose()
 }
 
 /// Replays a candump log. Invalid lines are skipped, counted and reported once.
@@ -165,16 +179,21 @@ pub(crate) fn candump<W: Write>(
     session: &mut Session<W>,
     stop: &Stop,
 ) -> anyhow::Result<&'static str> {
-    let name = name(path);
-    let text = opened.map_or_else(|| lines(path, piped(path, stop)?), Ok);
+    let (name, mut pace) = (name(path), Pace::new(realtime, stop));
+    let text = opened.map_or_else(|| lines(path, piped(path, &pace)?), Ok);
     let Some(text) = unless_stopped(text, stop)? else { return Ok("signal") };
     let mut reader = CandumpReader::new(BufReader::new(text), bus);
-    let mut pace = Pace { began: None, realtime, stop };
     loop {
         if stop.is_requested() {
             return Ok("signal");
         }
-        let read = unless_stopped(reader.next_frame(), stop).with_context(|| name.clone())?;
+        let read = match unless_stopped(reader.next_frame(), stop) {
+            Err(fault) if fault.is_pause() => {
+                frames.stall(pace.silence(), session)?;
+                continue;
+            }
+            read => read.with_context(|| name.clone())?,
+        };
         let Some(frame) = read else { return Ok("signal") };
         session.counters.malformed = reader.malformed();
         session.counters.error_frames = reader.error_frames();
@@ -198,19 +217,24 @@ pub(crate) fn csv<W: Write>(
     session: &mut Session<W>,
     stop: &Stop,
 ) -> anyhow::Result<&'static str> {
+    let mut pace = Pace::new(realtime, stop);
     let opened =
-        opened.map_or_else(|| piped_rows(path, options, stop), |reader| Ok(Some(reader)))?;
+        opened.map_or_else(|| piped_rows(path, options, &pace), |reader| Ok(Some(reader)))?;
     let Some(reader) = opened else { return Ok("signal") };
     let mut reader = reader.over_bad_rows();
     let (mut clock, mut speed_age) = (Clock::default(), SpeedAge::default());
-    let mut pace = Pace { began: None, realtime, stop };
     loop {
         if stop.is_requested() {
             return Ok("signal");
         }
-        let Some(read) = unless_stopped(next_row(&mut reader, session), stop)? else {
-            return Ok("signal");
+        let read = match unless_stopped(next_row(&mut reader, session), stop) {
+            Err(error) if error.downcast_ref().is_some_and(LogError::is_pause) => {
+                session.stall(pace.silence(), |now_us| presence.missing(now_us))?;
+                continue;
+            }
+            read => read?,
         };
+        let Some(read) = read else { return Ok("signal") };
         let Some(row) = read else { break };
         // The reader ensures that there is a time; microseconds since 1970 fit.
         #[allow(clippy::cast_possible_truncation)]

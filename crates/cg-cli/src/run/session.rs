@@ -6,6 +6,7 @@ mod lift;
 mod loads;
 mod mass;
 mod remarks;
+mod stall;
 mod warning;
 
 use std::collections::BTreeSet;
@@ -106,6 +107,8 @@ pub(crate) struct Session<W: Write> {
     offset_s: f64,
     now_us: u64,
     sampled_us: u64,
+    /// Whether nothing comes, although it should in real time.
+    stalls: bool,
     next: NextTimes,
     status_us: Option<u64>,
     pub(crate) outputs: Outputs<W>,
@@ -179,6 +182,7 @@ impl<W: Write> Session<W> {
             offset_s: 0.0,
             now_us: 0,
             sampled_us: 0,
+            stalls: false,
             next: NextTimes::default(),
             status_us,
             outputs,
@@ -187,6 +191,7 @@ impl<W: Write> Session<W> {
 
     /// Sets the time stamp and the stream time of a frame or row.
     pub(crate) fn tick(&mut self, stamp_s: f64, stream_us: u64) {
+        self.end_stall();
         #[allow(clippy::cast_precision_loss)] // 2^53 µs are 285 years
         let stream_s = stream_us as f64 * 1e-6;
         (self.offset_s, self.now_us) = (stamp_s - stream_s, stream_us);
@@ -385,6 +390,15 @@ impl<W: Write> Session<W> {
             }
             self.drive("no signals")?;
         }
+        self.report(now_us, live)?;
+        if live && now_us >= self.next.save_us {
+            self.save()?;
+        }
+        Ok(())
+    }
+
+    /// Writes the status, the metrics and the frames that are due.
+    fn report(&mut self, now_us: u64, live: bool) -> io::Result<()> {
         if let Some(cycle_us) = self.status_us
             && now_us >= self.next.status_us
         {
@@ -402,9 +416,6 @@ impl<W: Write> Session<W> {
         if live && now_us >= self.next.metrics_us {
             self.next.metrics_us = now_us + METRICS_US;
             self.measure()?;
-        }
-        if live && now_us >= self.next.save_us {
-            self.save()?;
         }
         Ok(())
     }

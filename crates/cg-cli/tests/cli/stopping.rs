@@ -118,6 +118,29 @@ fn a_log_that_cannot_be_read_to_its_end_ends_with_a_stop_event() {
     assert!(fs::read_to_string(&state).unwrap().contains("crc32 "));
 }
 
+/// A live pipe that stalls after a second of straight driving, of which the rest comes later.
+#[test]
+fn a_stall_of_a_live_pipe_is_told() {
+    let drive = drive();
+    for (source, log, most) in [("--csv", &drive.csv, 200), ("--candump", &drive.candump, 2000)] {
+        let text = fs::read_to_string(log).unwrap();
+        let begun: Vec<&str> = text.lines().take(most).collect();
+        let (sent, rest) = begun.split_at(most / 2);
+        let run = ["run", "--vehicle", &drive.truck, source, "-", "--realtime", "--status-s", "1"];
+        let mut child = begin(&run);
+        let mut pipe = child.stdin.take().unwrap();
+        let mut out = BufReader::new(child.stdout.take().unwrap());
+        pipe.write_all((sent.join("\n") + "\n").as_bytes()).unwrap();
+        read_until(&mut out, r#""state":"straight""#);
+        read_until(&mut out, r#""state":"no signals""#);
+        pipe.write_all((rest.join("\n") + "\n").as_bytes()).unwrap();
+        read_until(&mut out, r#""state":"straight""#);
+        drop(pipe);
+        assert_eq!(last_event(out)["reason"], "end of log", "{source}");
+        assert_eq!(child.wait().unwrap().code(), Some(1), "{source}"); // no turn, no height
+    }
+}
+
 /// The log ends before its first turn.
 #[test]
 fn a_replay_without_a_height_ends_with_status_1_whatever_its_speed() {

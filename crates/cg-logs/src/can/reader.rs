@@ -60,6 +60,14 @@ pub enum CandumpFault {
 }
 
 impl CandumpFault {
+    /// Whether nothing has come for now, as a stream says with [`io::ErrorKind::WouldBlock`]: reading can go on later, and nothing is
+    /// lost.
+    pub fn is_pause(&self) -> bool {
+        matches!(self, Self::Read { source, .. } if source.kind() == io::ErrorKind::WouldBlock)
+    }
+}
+
+impl CandumpFault {
     /// Refuses a bus that is not in the log.
     pub(super) fn check_bus(only: Option<&String>, buses: &[String]) -> Result<(), Self> {
         match only {
@@ -153,7 +161,7 @@ impl<R: BufRead> CandumpReader<R> {
     /// The next data frame; `None` at the end.
     ///
     /// # Errors
-    /// [`CandumpFault`]. Reading ends after an error.
+    /// [`CandumpFault`]. Reading ends after an error, except after a [pause](CandumpFault::is_pause).
     pub fn next_frame(&mut self) -> Result<Option<Frame>, CandumpFault> {
         loop {
             if !matches!(self.stamps, Stamps::Unknown)
@@ -173,21 +181,22 @@ impl<R: BufRead> CandumpReader<R> {
 
     /// Reads a line. At the end of the log, returns an error if something required was missing.
     fn read_line(&mut self) -> Result<(), CandumpFault> {
-        self.line.clear();
         let read = self.input.by_ref().take(LONGEST_LINE).read_until(b'\n', &mut self.line);
         let line = self.number + 1;
-        if read.map_err(|source| CandumpFault::Read { line, source })? == 0 {
+        let bytes = read.map_err(|source| CandumpFault::Read { line, source })?;
+        if bytes == 0 && self.line.is_empty() {
             self.ended = true;
             self.decide();
             return self.complete();
         }
         self.number = line;
-        let bytes = std::mem::take(&mut self.line);
+        let mut bytes = std::mem::take(&mut self.line);
         match parse(&String::from_utf8_lossy(&bytes)) {
             Ok(Some(line)) => self.take(&line),
             Ok(None) => {}
             Err(error) => self.pass_over(error)?,
         }
+        bytes.clear();
         self.line = bytes;
         Ok(())
     }
@@ -382,6 +391,40 @@ mod tests {
         assert_eq!(times_us(&text(&[0, 5, 5, 5])), [0, 5, 10, 15]);
         assert_eq!(times_us(&text(&[0, 5, 10, 15])), [0, 5, 10, 15]);
         assert_eq!(times_us(&text(&[7])), [7]);
+    }
+
+    /// A stream that pauses after every byte.
+    struct Pausing(io::Cursor<Vec<u8>>, bool);
+
+    impl Read for Pausing {
+        fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+            self.1 = !self.1;
+            if self.1 {
+                Err(io::ErrorKind::WouldBlock.into())
+            } else {
+                self.0.read(&mut buffer[..1])
+            }
+        }
+    }
+
+    /// The last line lacks its end, so that there are two pauses behind it.
+    #[test]
+    fn reading_goes_on_after_a_pause() {
+        let text = "(1.000000) can0 123#00\n(2.000000) can0 123#01\n(3.000000) can0 123#02";
+        let stream = Pausing(io::Cursor::new(text.into()), false);
+        let mut reader = CandumpReader::new(io::BufReader::new(stream), None);
+        let (mut times_us, mut pauses) = (Vec::new(), 0);
+        loop {
+            match reader.next_frame() {
+                Ok(Some(frame)) => times_us.push(frame.time_us),
+                Ok(None) => break,
+                Err(fault) => {
+                    assert!(fault.is_pause(), "{fault}");
+                    pauses += 1;
+                }
+            }
+        }
+        assert_eq!((times_us, pauses), (vec![1_000_000, 2_000_000, 3_000_000], text.len() + 2));
     }
 
     /// The compact form never contains differences, so frames with equal time stamps remain

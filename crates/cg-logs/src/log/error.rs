@@ -164,6 +164,12 @@ pub enum LogError {
 }
 
 impl LogError {
+    /// Whether nothing has come for now, as a stream says with [`io::ErrorKind::WouldBlock`]: reading can go on later. Nothing that
+    /// has come is lost, but for a row whose quotes are open.
+    pub fn is_pause(&self) -> bool {
+        matches!(self, Self::Read { source, .. } if source.kind() == io::ErrorKind::WouldBlock)
+    }
+
     /// Whether only one row is wrong, so that reading can continue with the next row.
     pub const fn is_of_a_row(&self) -> bool {
         matches!(

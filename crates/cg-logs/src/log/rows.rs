@@ -166,8 +166,9 @@ impl Rows {
 
     #[cold]
     fn fail(&mut self, fault: Fault) -> LogError {
-        self.over = true;
         let place = self.place();
+        self.over =
+            !matches!(&fault, Fault::Io(source) if source.kind() == io::ErrorKind::WouldBlock);
         match fault {
             Fault::TooLong => LogError::TooLong { place, limit_bytes: LIMIT_BYTES },
             Fault::Io(source) if self.gzip && is_damage(&source) => {

@@ -180,6 +180,50 @@ fn a_row_is_given_as_soon_as_its_line_is_whole() {
     assert!(log.next_row().unwrap().is_none());
 }
 
+/// A stream that pauses after every few bytes behind its first line.
+struct Pausing(Vec<u8>, usize, bool);
+
+impl Read for Pausing {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        self.2 = !self.2;
+        if self.2 && self.1 == 0 {
+            return Err(io::ErrorKind::WouldBlock.into());
+        }
+        let few = if self.1 > 0 { self.1 } else { 7 }.min(buffer.len());
+        let count = (&self.0[..few.min(self.0.len())]).read(buffer)?;
+        self.0.drain(..count);
+        self.1 = self.1.saturating_sub(count);
+        Ok(count)
+    }
+}
+
+/// Nothing is lost, in quotes or not.
+#[test]
+fn a_stream_goes_on_after_a_pause() {
+    let quoted = "time_s,steer_rad,roll_rad\n0,\"0.5\",-0.1\n1,\"0.25\",0\n";
+    for text in [steady(50), quoted.to_owned()] {
+        let head = "time_s,steer_rad,roll_rad\n".len();
+        let least = (text.len() - head) / 7;
+        let stream = Pausing(text.clone().into(), head, false);
+        let log = LogReader::from_reader("drive.csv", Box::new(stream), &LogOptions::default());
+        let (mut log, mut rows, mut pauses) = (log.unwrap(), Vec::new(), 0);
+        loop {
+            match log.next_row() {
+                Ok(Some(row)) => rows.push([row.time_s, row.steer_rad, row.roll_rad]),
+                Ok(None) => break,
+                Err(error) => {
+                    assert!(error.is_pause(), "{error}");
+                    pauses += 1;
+                }
+            }
+        }
+        let expected = read(&text).unwrap();
+        let expected = expected.iter().map(|row| [row.time_s, row.steer_rad, row.roll_rad]);
+        assert!(rows.iter().copied().eq(expected), "{} rows", rows.len());
+        assert!(pauses >= least, "{pauses}");
+    }
+}
+
 /// What a reader gives, one after the other: rows, errors and findings, each with the line reached.
 fn given(mut log: LogReader) -> Vec<String> {
     let mut all = vec![format!("{:?}", log.signals())];

@@ -45,6 +45,43 @@ fn a_warning_and_a_request_end_when_the_signals_do() {
     }
 }
 
+/// Nothing comes through a pipe in a turn. The rows that come late are used as if they had come in time.
+#[test]
+fn a_warning_and_a_request_end_while_a_stream_stalls() {
+    let mut session = session(None, 1.0);
+    session.request = Some(SpeedRequest::new(0.5));
+    learn(&mut session, [Some(2.0), None]);
+    session.driving = "turning";
+    let lateral_acceleration_mps2 = 0.25 * design().gravity_mps2;
+    let turning = |session: &mut Trial, now_us| {
+        session.tick(0.0, now_us);
+        session.push(Sample { lateral_acceleration_mps2, ..sample(now_us) }).unwrap();
+        session.run_periodic(true).unwrap();
+        names(session)
+    };
+    assert_eq!(turning(&mut session, 0), ["warning", "speed_request", "status"]);
+    let stall = |session: &mut Trial, silence_ms| {
+        let silence = std::time::Duration::from_millis(silence_ms);
+        session.stall(silence, |_| vec![Signal::Speed.name()]).unwrap();
+        let times: Vec<_> = events(session).iter().map(|event| event["time_s"].clone()).collect();
+        assert!(times.iter().all(|time| time.as_f64() == Some(0.0)), "{times:?}");
+        (times.len(), session.status())
+    };
+    assert_eq!(stall(&mut session, 1_000).0, 0);
+    let (told, status) = stall(&mut session, 1_100);
+    // The missing signal, the ends of both, that there are no signals, and the status.
+    assert_eq!(told, 5);
+    assert_eq!(
+        (status.state, status.warning_level, status.requests_speed),
+        ("no signals", 0, true)
+    );
+    assert!(status.requested_speed_mps.is_none());
+    assert_eq!([stall(&mut session, 1_200).0, stall(&mut session, 9_000).0], [0, 1]);
+    session.missing(Vec::new()).unwrap();
+    names(&mut session);
+    assert_eq!(turning(&mut session, 20_000), ["warning", "speed_request", "state", "status"]);
+}
+
 /// The present curve follows from the present speed, so the last one is not kept for a request.
 #[test]
 fn a_request_ends_when_the_speed_is_missing() {
