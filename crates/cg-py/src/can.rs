@@ -2,21 +2,18 @@
 
 use std::sync::{Mutex, PoisonError};
 
-use cg_core::Quantity;
 use cg_logs::can::Frame;
 use cg_logs::estimate::LogEstimator;
-use cg_logs::log::{FrameRows, LogOptions, LogRow};
-use numpy::PyReadonlyArrayDyn;
+use cg_logs::log::{FrameRows, LogRow};
 use pyo3::prelude::*;
 use pyo3::sync::MutexExt;
 use pyo3::types::PyDict;
 
 use crate::error::{in_python, value_error, vehicle_error};
 use crate::log::table;
-use crate::options::{Options, word};
+use crate::options::Options;
 use crate::reading::Reading;
 use crate::results;
-use crate::signals::slice;
 use crate::vehicle::Vehicle;
 
 /// Converts a time stamp in seconds to microseconds, the unit of frames.
@@ -45,10 +42,7 @@ pub(crate) struct FrameTable {
 }
 
 struct TableState {
-    options: LogOptions,
     frames: FrameRows,
-    /// Values of measured channels: time in µs, quantity, SI value.
-    values: Vec<(u64, Quantity, f64)>,
     rows: Vec<LogRow>,
     counts: (u64, u64),
 }
@@ -58,10 +52,8 @@ impl FrameTable {
     #[new]
     #[pyo3(signature = (reading, /))]
     fn new(reading: Reading) -> PyResult<Self> {
-        let options = reading.options()?;
-        let frames = FrameRows::new(&options);
-        let (values, rows) = (Vec::new(), Vec::new());
-        let state = TableState { options, frames, values, rows, counts: (0, 0) };
+        let frames = FrameRows::new(&reading.options()?);
+        let state = TableState { frames, rows: Vec::new(), counts: (0, 0) };
         Ok(Self { state: Mutex::new(state) })
     }
 
@@ -84,51 +76,10 @@ impl FrameTable {
         Ok(())
     }
 
-    /// Add a measured channel: its signal, name, unit, time stamps and values.
-    #[pyo3(signature = (signal, name, unit, time_s, values, /))]
-    fn push_channel(
-        &self,
-        py: Python<'_>,
-        signal: &str,
-        name: &str,
-        unit: &str,
-        time_s: PyReadonlyArrayDyn<'_, f64>,
-        values: PyReadonlyArrayDyn<'_, f64>,
-    ) -> PyResult<()> {
-        let quantity: Quantity = word("signals", signal)?;
-        let dimension = quantity.dimension();
-        let unit = dimension.spelled(unit).ok_or_else(|| {
-            let known: Vec<&str> = dimension.units().iter().map(|unit| unit.suffix).collect();
-            value_error(format!(
-                "{name} has the unit {unit:?}: give one of {}, such as \"{name}[{}]\"",
-                known.join(", "),
-                known[1]
-            ))
-        })?;
-        let (time_s, values) = (slice("time_s", &time_s)?, slice(name, &values)?);
-        let mut state = self.state.lock_py_attached(py).unwrap_or_else(PoisonError::into_inner);
-        let flipped = state.options.flip.iter().any(|flip| flip.quantity() == Some(quantity));
-        let times = if flipped { -unit.times } else { unit.times };
-        for (&time_s, &value) in time_s.iter().zip(values) {
-            let time_us = microseconds(time_s)?;
-            state.values.push((time_us, quantity, value * times / unit.per));
-        }
-        Ok(())
-    }
-
     /// End the log and return a dict of SI column names to arrays, without absent signals.
     fn finish<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let mut state = self.state.lock_py_attached(py).unwrap_or_else(PoisonError::into_inner);
-        let TableState { frames, values, rows, .. } = &mut *state;
-        let mut values = std::mem::take(values);
-        values.sort_by_key(|(time_us, ..)| *time_us);
-        // All values of an instant are added before its rows are made.
-        for instant in values.chunk_by(|one, other| one.0 == other.0) {
-            for &(time_us, quantity, value) in instant {
-                frames.push_value(quantity, time_us, value);
-            }
-            rows.extend(std::iter::from_fn(|| frames.next_row()));
-        }
+        let TableState { frames, rows, .. } = &mut *state;
         rows.extend(std::iter::from_fn(|| frames.rest()));
         table(py, rows)
     }

@@ -68,7 +68,7 @@ mod _native {
     #[pymodule_export]
     use crate::plant::{Plant, restore_plant};
     #[pymodule_export]
-    use crate::prepare::prepare;
+    use crate::prepare::{channel_factor, prepare};
     #[pymodule_export]
     use crate::report::{may_write_report, trace_arrays, write_report};
     #[pymodule_export]

@@ -1,27 +1,33 @@
 //! `prepare`: tables whose rows are no samples yet.
 
-use cg_logs::log::{LogOptions, LogRow, Plausibility, Preparation, Rasters};
+use cg_core::Quantity;
+use cg_logs::log::{LogOptions, LogRow, Plausibility, Preparation, Rasters, Signal};
 use cg_vehicle::Variant;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::error::{in_python, value_error, vehicle_error};
 use crate::log::table;
-use crate::signals::{borrowed, columns};
+use crate::options::word;
+use crate::reading::log_options;
+use crate::signals::{any_columns, borrowed, columns};
 use crate::vehicle::Vehicle;
 
 /// What a table needs before its rows are samples: channels of different rasters are aligned, and a roll
 /// rate becomes a roll angle. Values that the vehicle cannot have are absent then. Returns the table and
-/// remarks about it, or nothing if its rows are samples.
+/// remarks about it, or nothing if its rows are samples. `apart`: whether the channels are known to have
+/// time stamps of their own.
 #[pyfunction]
-#[pyo3(signature = (signals, vehicle, /))]
+#[pyo3(signature = (signals, vehicle, apart, /))]
 pub(crate) fn prepare<'py>(
     py: Python<'py>,
     signals: &Bound<'py, PyDict>,
     vehicle: Option<&Bound<'py, Vehicle>>,
+    apart: bool,
 ) -> PyResult<Option<(Bound<'py, PyDict>, Vec<String>)>> {
     let arrays = borrowed(signals)?;
-    let columns = columns(&arrays)?;
+    // What is only looked at may lack an input.
+    let columns = if vehicle.is_some() { columns(&arrays) } else { any_columns(&arrays) }?;
     let settings = vehicle.map(|vehicle| vehicle.get().inner.align_settings());
     let mut plausibility = settings.map(Plausibility::new);
     let quantities = columns.quantities();
@@ -30,7 +36,11 @@ pub(crate) fn prepare<'py>(
         None => columns.checked(index),
     };
     let mut looking = plausibility.clone();
-    let rasters = Rasters::of((0..columns.rows()).map_while(|index| row(index, &mut looking).ok()));
+    let rasters = if apart {
+        Rasters::apart()
+    } else {
+        Rasters::of((0..columns.rows()).map_while(|index| row(index, &mut looking).ok()))
+    };
     let options = match vehicle.map(Bound::get) {
         Some(vehicle) => {
             let variant = Variant::Complete; // scales are those of any
@@ -54,4 +64,28 @@ pub(crate) fn prepare<'py>(
     let remarks = preparation.remarks().into_iter().chain(doubts);
     let remarks = remarks.map(|remark| in_python(&remark)).collect();
     Ok(Some((table(py, &rows)?, remarks)))
+}
+
+/// The SI column of a signal, and what values of a measured channel are multiplied by to be in its unit.
+#[pyfunction]
+#[pyo3(signature = (signal, name, unit, flip, /))]
+pub(crate) fn channel_factor(
+    signal: &str,
+    name: &str,
+    unit: &str,
+    flip: Vec<String>,
+) -> PyResult<(&'static str, f64)> {
+    let quantity: Quantity = word("signals", signal)?;
+    let dimension = quantity.dimension();
+    let unit = dimension.spelled(unit).ok_or_else(|| {
+        let known: Vec<&str> = dimension.units().iter().map(|unit| unit.suffix).collect();
+        value_error(format!(
+            "{name} has the unit {unit:?}: give one of {}, such as \"{name}[{}]\"",
+            known.join(", "),
+            known[1]
+        ))
+    })?;
+    let flipped = log_options(&[], &flip)?.flip.contains(&Signal::from(quantity));
+    let factor = unit.times / unit.per;
+    Ok((Signal::from(quantity).column(), if flipped { -factor } else { factor }))
 }

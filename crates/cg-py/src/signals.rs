@@ -41,26 +41,9 @@ pub(crate) struct Columns<'a> {
 
 impl<'a> Columns<'a> {
     fn new(values: &[Option<&'a [f64]>; Signal::COUNT]) -> PyResult<Self> {
-        let absent = |signals: &[Signal]| signals.iter().all(|&s| values[s as usize].is_none());
         let time_s = values[Signal::Time as usize]
             .filter(|time_s| !time_s.is_empty())
             .ok_or_else(|| value_error("time_s is empty: an estimate needs at least one row"))?;
-        let present: Vec<Signal> = Signal::ALL.into_iter().filter(|&s| !absent(&[s])).collect();
-        match Signal::lacking(&present) {
-            [] => {}
-            [first, ..] if *first == Signal::Roll => {
-                return Err(value_error("roll_rad is missing: give roll_rad or tilt_rad"));
-            }
-            [first, ..] if *first == Signal::Steer => {
-                return Err(value_error(
-                    "steer_rad is missing: give steer_rad, steering_wheel_rad, \
-                     lateral_acceleration_mps2 or yaw_rate_radps",
-                ));
-            }
-            [first, ..] => {
-                return Err(value_error(format!("{} is missing", first.column())));
-            }
-        }
         for (signal, column) in Signal::ALL.iter().zip(values) {
             let Some(column) = column else { continue };
             if column.len() != time_s.len() {
@@ -212,8 +195,24 @@ pub(crate) fn borrowed<'py>(signals: &Bound<'py, PyDict>) -> PyResult<Borrowed<'
     Ok(arrays)
 }
 
-/// Checks the arrays and returns them as slices.
+/// Checks the arrays, which must have what an estimate needs, and returns them as slices.
 pub(crate) fn columns<'a>(arrays: &'a Borrowed<'_>) -> PyResult<Columns<'a>> {
+    let columns = any_columns(arrays)?;
+    match Signal::lacking(&columns.signals()) {
+        [] => Ok(columns),
+        [first, ..] if *first == Signal::Roll => {
+            Err(value_error("roll_rad is missing: give roll_rad or tilt_rad"))
+        }
+        [first, ..] if *first == Signal::Steer => Err(value_error(
+            "steer_rad is missing: give steer_rad, steering_wheel_rad, \
+             lateral_acceleration_mps2 or yaw_rate_radps",
+        )),
+        [first, ..] => Err(value_error(format!("{} is missing", first.column()))),
+    }
+}
+
+/// Checks the arrays, of which any may be absent but the time, and returns them as slices.
+pub(crate) fn any_columns<'a>(arrays: &'a Borrowed<'_>) -> PyResult<Columns<'a>> {
     let mut values = [None; Signal::COUNT];
     for ((value, array), signal) in values.iter_mut().zip(arrays).zip(Signal::ALL) {
         *value = array.as_ref().map(|array| slice(signal.column(), array)).transpose()?;

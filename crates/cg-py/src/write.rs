@@ -78,7 +78,7 @@ pub(crate) fn copy_file(py: Python<'_>, source: PathBuf, request: Request<'_>) -
 
 /// Write arrays to a log: .csv, .csv.gz, or .log (J1939 frames; the vehicle's steering ratio
 /// converts road-wheel angles to steering-wheel angles). Returns the number of values that are
-/// outside the range of their J1939 signal.
+/// outside the range of their J1939 signal, and the columns that have none.
 #[pyfunction]
 #[pyo3(signature = (request, signals, comments, /))]
 pub(crate) fn write_file(
@@ -86,7 +86,7 @@ pub(crate) fn write_file(
     request: Request<'_>,
     signals: &Bound<'_, PyDict>,
     mut comments: Vec<String>,
-) -> PyResult<u64> {
+) -> PyResult<(u64, Vec<&'static str>)> {
     let target = request.target()?;
     let ratio = request.vehicle.as_ref().and_then(|vehicle| vehicle.get().inner.steering_ratio);
     if comments.is_empty() {
@@ -102,7 +102,7 @@ pub(crate) fn write_file(
         .collect();
     py.detach(|| {
         if is_candump(target.path()) {
-            write_candump(&target, &columns, ratio.unwrap_or(f64::NAN))
+            write_candump(&target, &columns, ratio.unwrap_or(f64::NAN), &there)
         } else {
             write_csv(&target, &columns, &comments, &there)
         }
@@ -119,21 +119,24 @@ fn write_csv(
     columns: &Columns<'_>,
     comments: &[String],
     there: &[Signal],
-) -> Result<u64, LogError> {
+) -> Result<(u64, Vec<&'static str>), LogError> {
     let mut writer = LogWriter::create(target, comments, there)?;
     (0..columns.rows()).try_for_each(|index| writer.write_row(&columns.row(index)))?;
     writer.finish()?;
-    Ok(0)
+    Ok((0, Vec::new()))
 }
 
 fn write_candump(
     target: &Target,
     columns: &Columns<'_>,
     steering_ratio: f64,
-) -> Result<u64, LogError> {
+    there: &[Signal],
+) -> Result<(u64, Vec<&'static str>), LogError> {
     let mut writer = CandumpWriter::create(target, steering_ratio)?;
     (0..columns.rows()).try_for_each(|index| writer.write_row(&columns.row(index)))?;
     let lost = writer.out_of_range();
+    let unsent = there.iter().filter(|signal| !writer.writes(**signal));
+    let unsent = unsent.map(|signal| signal.column()).collect();
     writer.finish()?;
-    Ok(lost)
+    Ok((lost, unsent))
 }

@@ -443,6 +443,7 @@ mod tests {
 
     /// The state solves its equations, `iω x = A x + b`, up to rounding. The first column begins with a zero, so that rows change places.
     #[test]
+    #[allow(clippy::cast_precision_loss)] // a few rows
     fn an_oscillation_solves_its_equations() {
         let a = DMatrix::from_fn(6, 6, |i, j| {
             let wave = (1.7 * (1 + i * i + 3 * j) as f64).sin();

@@ -28,13 +28,15 @@ const INPUTS: [Signal; 6] = [
 ];
 
 /// Whether the channels of a table have rasters of their own: fewer than half of its first rows with a roll angle have an
-/// input too, though both occur.
+/// input too, though both occur, or another quantity stands mostly in rows without a roll angle.
 #[derive(Clone, Debug, Default)]
 pub struct Rasters {
     rows: usize,
     rolls: usize,
-    inputs: usize,
     both: usize,
+    inputs: usize,
+    /// Number of values of each quantity, and of those in a row with a roll angle.
+    values: [(usize, usize); Quantity::COUNT],
 }
 
 impl Rasters {
@@ -53,13 +55,23 @@ impl Rasters {
         rasters
     }
 
+    /// Those of a table whose channels are known to have time stamps of their own.
+    pub fn apart() -> Self {
+        Self { rows: 2, rolls: 1, inputs: 1, ..Self::default() }
+    }
+
     fn push(&mut self, row: &LogRow) {
-        let has = |signals: &[Signal]| signals.iter().any(|signal| !row.get(*signal).is_nan());
-        let (roll, input) = (has(&ROLLS), has(&INPUTS));
+        let has = |signal: &Signal| !row.get(*signal).is_nan();
+        let (roll, input) = (ROLLS.iter().any(has), INPUTS.iter().any(has));
         self.rows += 1;
         self.rolls += usize::from(roll);
-        self.inputs += usize::from(input);
         self.both += usize::from(roll && input);
+        self.inputs += usize::from(input);
+        for (quantity, (values, both)) in Quantity::ALL.into_iter().zip(&mut self.values) {
+            let is_here = has(&Signal::from(quantity));
+            *values += usize::from(is_here);
+            *both += usize::from(roll && is_here);
+        }
     }
 
     /// Whether no further row is needed.
@@ -69,7 +81,9 @@ impl Rasters {
 
     /// Whether the channels have rasters of their own, as far as is known.
     pub fn differ(&self) -> bool {
-        self.inputs > 0 && 2 * self.both < self.rolls
+        // A quantity that comes more often than the roll angle may have a value in all rows of it.
+        let is_apart = |(values, both): &(usize, usize)| 2 * both < self.rolls.min(*values);
+        (self.inputs > 0 && 2 * self.both < self.rolls) || self.values.iter().any(is_apart)
     }
 }
 
@@ -175,6 +189,21 @@ mod tests {
         ] {
             assert_eq!(differ(rows), known, "{rows:?}");
         }
+    }
+
+    /// A lateral acceleration or a mass with rows of its own, and a steer angle that comes five times as often as the roll angle.
+    #[test]
+    fn rasters_differ_if_one_quantity_has_rows_of_its_own() {
+        let lateral = LogRow { lateral_acceleration_mps2: 1.0, ..LogRow::ABSENT };
+        let alternating = |row: LogRow| [BOTH, BOTH, row].into_iter().cycle().take(300);
+        assert!(Rasters::of(alternating(lateral)).differ());
+        let beside = LogRow { steer_rad: 0.1, ..lateral };
+        assert!(Rasters::of(alternating(beside)).differ());
+        assert!(!Rasters::of(alternating(LogRow { roll_rad: 0.1, ..beside })).differ());
+        let mass = LogRow { trailer_mass_kg: 2e4, ..LogRow::ABSENT };
+        assert!(Rasters::of(std::iter::once(mass).chain(std::iter::repeat_n(BOTH, 300))).differ());
+        let often = [BOTH, INPUT, INPUT, INPUT, INPUT].into_iter().cycle().take(300);
+        assert!(!Rasters::of(often).differ());
     }
 
     /// The rows after half of the most have both cannot change the answer.

@@ -17,7 +17,8 @@
 //! On a flat road the roll angle relative to the road is the one relative to gravity, so a row
 //! without the latter is written with the former. J1939 has no groups for the trailer's suspension
 //! roll, levels, specific force and suspension pressure, so they are not written (a DBC file can
-//! describe such signals).
+//! describe such signals). The time stamps of frames are not negative: a log that begins before its time zero is written from
+//! the whole second before its first row on.
 
 use std::fmt::Write as _;
 use std::io::{BufWriter, Write};
@@ -31,7 +32,7 @@ use cg_core::signal::j1939::{
 use cg_output::{Draft, Target};
 
 use super::error::{LogError, Place, Position};
-use super::signal::LogRow;
+use super::signal::{LogRow, Signal as Column};
 
 /// Source addresses: brake system, roll sensor, engine, trailer.
 const BRAKES: u8 = 0x0B;
@@ -56,7 +57,28 @@ pub struct CandumpWriter {
     next_weight_us: u64,
     next_level_us: u64,
     out_of_range: u64,
+    /// The time from which the time stamps count, s.
+    origin_s: Option<f64>,
 }
+
+/// The signals of a log that are written, the others have no J1939 signal.
+const WRITTEN: [Column; 15] = [
+    Column::Time,
+    Column::Steer,
+    Column::SteeringWheel,
+    Column::Roll,
+    Column::RollToGravity,
+    Column::Tilt,
+    Column::Speed,
+    Column::TractorLateralSpecificForce,
+    Column::TractorLevelLeft,
+    Column::TractorLevelRight,
+    Column::YawRate,
+    Column::TrailerMass,
+    Column::TrailerAxleLoad,
+    Column::DrivePressureLeft,
+    Column::DrivePressureRight,
+];
 
 impl CandumpWriter {
     /// Begins a log. `steering_ratio` (steering-wheel angle divided by road-wheel angle) converts
@@ -82,7 +104,14 @@ impl CandumpWriter {
             next_weight_us: 0,
             next_level_us: 0,
             out_of_range: 0,
+            origin_s: None,
         })
+    }
+
+    /// Whether frames contain a signal. The steer angle needs a steering ratio.
+    pub fn writes(&self, signal: Column) -> bool {
+        let is_convertible = signal != Column::Steer || self.steering_ratio.is_finite();
+        WRITTEN.contains(&signal) && is_convertible
     }
 
     /// Writes one row as frames. Absent signals are "not available"; a group without signals is not
@@ -91,9 +120,10 @@ impl CandumpWriter {
     /// # Errors
     /// The file cannot be written.
     pub fn write_row(&mut self, row: &LogRow) -> Result<(), LogError> {
-        // The times of a log are positive, and the number of microseconds is far below 2^64.
+        let origin_s = *self.origin_s.get_or_insert(row.time_s.floor().min(0.0));
+        // These times are not negative, and the number of microseconds is far below 2^64.
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
-        let time_us = (row.time_s * 1e6).round() as u64;
+        let time_us = ((row.time_s - origin_s) * 1e6).round() as u64;
         let wheel_rad = if row.steering_wheel_rad.is_nan() {
             row.steer_rad * self.steering_ratio
         } else {
@@ -244,6 +274,20 @@ mod tests {
         // 9000 steps of 2 kg are 0x2328, low byte first.
         let text = std::fs::read_to_string(&path).unwrap();
         assert_eq!(text, "(0.000000) can0 18FEC4C8#FFFFFFFF2823FFFF\n");
+    }
+
+    #[test]
+    fn a_log_that_begins_before_time_zero_keeps_its_intervals() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("early.log");
+        let mut writer = writer(&path);
+        for time_s in [-1.25, -0.5, 0.25] {
+            writer.write_row(&LogRow { time_s, roll_rad: 0.0, ..LogRow::ABSENT }).unwrap();
+        }
+        writer.finish().unwrap();
+        let text = std::fs::read_to_string(&path).unwrap();
+        let times: Vec<&str> = text.lines().map(|line| &line[..10]).collect();
+        assert_eq!(times, ["(0.750000)", "(1.500000)", "(2.250000)"]);
     }
 
     #[test]

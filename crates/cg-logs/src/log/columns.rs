@@ -181,13 +181,22 @@ impl Header<'_> {
         }
     }
 
-    /// Refuses a column with a signal name but no unit, such as `speed`, which would otherwise be
-    /// ignored without a message.
+    /// Refuses a column with a signal name but no unit, such as `speed`, or with an unknown one, such as `YawRate [1/s]`, which
+    /// would otherwise be ignored without a message.
     fn refuse_bare_names(&self) -> Result<(), LogError> {
         for (index, heading) in self.names.iter().enumerate() {
-            let Ok(signal) = heading.bare().parse::<Signal>() else { continue };
+            // What stands in square brackets is a unit, though an unknown one.
+            let in_brackets = heading.name.strip_suffix(']').and_then(|name| name.rsplit_once('['));
+            let name = plain(in_brackets.map_or(heading.bare(), |(name, _)| name));
+            let Some(signal) = Signal::ALL.into_iter().find(|signal| plain(signal.name()) == name)
+            else {
+                continue;
+            };
+            let is_meant = heading.bare().parse::<Signal>().is_ok()
+                || in_brackets.is_some()
+                || matches!(heading.stated, Stated::Unit(_) | Stated::Units(_));
             let taken = self.columns.iter().any(|column| column.index == index);
-            if !taken && self.find(signal).is_none() {
+            if is_meant && !taken && self.find(signal).is_none() {
                 return Err(self.unknown_unit(index, signal));
             }
         }

@@ -49,7 +49,12 @@ pub struct FrameRows {
     scale: Option<Scale>,
     /// Whether any value came in a frame.
     hears_bus: bool,
+    /// Whether the values were measured at a speed that is not among them.
+    speed_is_elsewhere: bool,
 }
+
+/// Any speed, m/s, without which there would be no steer angle and no yaw rate.
+const SOME_MPS: f64 = 10.0;
 
 impl FrameRows {
     /// A converter without frames.
@@ -61,7 +66,14 @@ impl FrameRows {
             origin_s: None,
             scale: None,
             hears_bus: false,
+            speed_is_elsewhere: false,
         }
+    }
+
+    /// The same for values that were measured at a speed that is not among them, as those of a table without a column for it.
+    #[must_use]
+    pub fn with_speed_elsewhere(self, speed_is_elsewhere: bool) -> Self {
+        Self { speed_is_elsewhere, ..self }
     }
 
     /// Adds a frame and returns whether it contains a value that is used. Call
@@ -76,6 +88,9 @@ impl FrameRows {
 
     /// Adds a value that was not measured by a CAN frame.
     pub fn push_value(&mut self, quantity: Quantity, time_us: u64, value: f64) {
+        if self.speed_is_elsewhere {
+            self.sampler.push_value(Quantity::Speed, time_us, SOME_MPS);
+        }
         let instant = self.sampler.push_value(quantity, time_us, value);
         self.begin(time_us, instant);
     }
@@ -109,6 +124,9 @@ impl FrameRows {
         let time_s = self.origin_s.unwrap_or(0.0) + sample.time_us as f64 * 1e-6;
         let lift_axle = self.sampler.take_lift_axle();
         let mut row = LogRow { lift_axle, ..LogRow::of_sample(time_s, sample) };
+        if self.speed_is_elsewhere {
+            row.speed_mps = f64::NAN;
+        }
         // Whoever reads the row without the frames has nothing else that says how exact its mass is.
         if let Some(scale) = self.scale.filter(|_| self.without_truck && self.hears_bus) {
             let sd_kg = scale.usual_sd_kg(row.trailer_mass_kg);

@@ -12,6 +12,10 @@ use super::signal::{LogRow, Signal};
 /// Rows of a table on their way to samples.
 pub struct Preparation {
     rasters: Option<FrameRows>,
+    /// The time from which those of the rasters count, s: whole seconds at or before the first row.
+    origin_s: f64,
+    /// The last standard deviation of the mass, which is no signal of frames.
+    mass_sd_kg: f64,
     angles: Option<RollAngles>,
     /// Why a roll rate of the table is not used.
     rate_unused: Option<String>,
@@ -25,7 +29,9 @@ impl Preparation {
     /// has to be said about them.
     pub fn of(signals: &[Signal], rasters: &Rasters, options: &LogOptions) -> Option<Self> {
         let has = |signal: &Signal| signals.contains(signal);
-        let rasters = rasters.differ().then(|| FrameRows::new(options));
+        let rasters = rasters
+            .differ()
+            .then(|| FrameRows::new(options).with_speed_elsewhere(!has(&Signal::Speed)));
         // A tilt feels the lateral acceleration and is no angle to blend with.
         let other = ROLLS.into_iter().find(|roll| has(roll) && !is_angle(*roll));
         let other = other.filter(|_| !ROLLS.into_iter().any(|roll| has(&roll) && is_angle(roll)));
@@ -47,6 +53,8 @@ impl Preparation {
             .then(|| RollAngles::new(has(&Signal::Roll), has(&Signal::RollToGravity)));
         (rasters.is_some() || angles.is_some() || rate_unused.is_some()).then(|| Self {
             rasters,
+            origin_s: f64::NAN,
+            mass_sd_kg: f64::NAN,
             angles,
             rate_unused,
             line: 0,
@@ -71,17 +79,25 @@ impl Preparation {
         if let Some(angles) = &mut self.angles {
             angles.push(line, row);
         } else if let Some(frames) = &mut self.rasters {
-            // The times of a table are whole microseconds at most.
+            if self.origin_s.is_nan() {
+                self.origin_s = row.time_s.floor();
+            }
+            // The times of a table are whole microseconds at most, and increase.
             #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
-            let time_us = (row.time_s.max(0.0) * 1e6).round() as u64;
+            let time_us = ((row.time_s - self.origin_s) * 1e6).round() as u64;
             frames.follow_lift_axle(row.lift_axle);
+            if row.trailer_mass_sd_kg >= 0.0 {
+                self.mass_sd_kg = row.trailer_mass_sd_kg;
+            }
             for signal in Signal::ALL {
                 let value = row.get(signal);
                 if let Some(quantity) = signal.quantity().filter(|_| !value.is_nan()) {
                     frames.push_value(quantity, time_us, value);
                 }
             }
-            self.ready.extend(std::iter::from_fn(|| frames.next_row()).map(|row| (line, row)));
+            let known = (self.origin_s, self.mass_sd_kg);
+            let rows = std::iter::from_fn(|| frames.next_row());
+            self.ready.extend(rows.map(|row| (line, of_table(row, known))));
         } else {
             self.ready.push_back((line, row));
         }
@@ -93,7 +109,9 @@ impl Preparation {
         if let Some(angles) = &mut self.angles {
             angles.finish();
         } else if let Some(frames) = &mut self.rasters {
-            self.ready.extend(std::iter::from_fn(|| frames.rest()).map(|row| (line, row)));
+            let known = (self.origin_s, self.mass_sd_kg);
+            let rows = std::iter::from_fn(|| frames.rest());
+            self.ready.extend(rows.map(|row| (line, of_table(row, known))));
         }
     }
 
@@ -115,6 +133,11 @@ impl Preparation {
         remarks.extend(self.rate_unused.clone());
         remarks
     }
+}
+
+/// A row of a table, of which frames do not know from when its time counts and how exact its mass is.
+fn of_table(row: LogRow, (origin_s, mass_sd_kg): (f64, f64)) -> LogRow {
+    LogRow { time_s: origin_s + row.time_s, trailer_mass_sd_kg: mass_sd_kg, ..row }
 }
 
 fn is_angle(signal: Signal) -> bool {

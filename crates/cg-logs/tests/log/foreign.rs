@@ -59,6 +59,19 @@ fn the_unit_of_the_file_holds_for_a_named_column_unless_another_is_given() {
     says(&error, &["column 3 `Gyro`", "the units of speed are mps, kmh"]);
 }
 
+/// A known name with a unit that nobody knows, which is not what a note in parentheses is.
+#[test]
+fn a_unit_that_is_not_understood_is_an_error() {
+    for (name, units) in [("YawRate [1/s]", "radps, degps"), ("TrailerMass [kN]", "kg, t")] {
+        let csv = format!("time_s,steer_rad,roll_rad,{name}\n0,0.1,0,0\n");
+        refused(&csv, &[&format!("column 4 `{name}`"), "unknown unit", units]);
+    }
+    for name in ["YawRate (filtered)", "Temperature [1/s]", "Roll [V]"] {
+        let row = read(format!("time_s,steer_rad,roll_rad,{name}\n0,0.1,0,0\n")).unwrap()[0];
+        assert_eq!((row.steer_rad, row.yaw_rate_radps.is_nan()), (0.1, true), "{name}");
+    }
+}
+
 #[test]
 fn units_may_have_their_usual_spelling() {
     let csv = "time_s,steer_rad,roll_rad,v\n0,0,0,36\n";

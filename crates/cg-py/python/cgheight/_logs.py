@@ -15,7 +15,7 @@ from cgheight import _native
 from cgheight._columns import flips, maps, table_signals
 from cgheight._extras import need
 from cgheight._frames import CANDUMP, is_can, read_frames, reading, suffix
-from cgheight._tables import is_table, read_table
+from cgheight._tables import SideBySide, is_table, read_table
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -37,7 +37,7 @@ def prepared(
 
     Values that the vehicle cannot have are absent then.
     """
-    return _native.prepare(table, vehicle) or (table, [])
+    return _native.prepare(table, vehicle, isinstance(table, SideBySide)) or (table, [])
 
 
 def log_table(
@@ -156,22 +156,24 @@ def write_log(
     Warns
     -----
     UserWarning
-        Values outside the range of their J1939 signal were written as "not available".
+        Values outside the range of their J1939 signal were written as "not available", or columns
+        of a log that was not simulated have no J1939 signal and are not in the file.
     """
     target = os.fspath(path)
     request = write_request("path", target, log, vehicle, force)
     _native.may_write(request)
     table = signals(log, columns, flip)
-    truth = [f"truth {key} = {value}" for key, value in getattr(log, "truth", {}).items()]
+    simulated = getattr(log, "truth", {})
+    truth = [f"truth {key} = {value}" for key, value in simulated.items()]
     if not is_can(target) or suffix(target) == CANDUMP:
-        lost = _native.write_file(request, table, truth)
+        lost, unsent = _native.write_file(request, table, truth)
     else:
         can = need("can", "can")
         if suffix(target) == ".mf4":
             need("asammdf", "can")
         with TemporaryDirectory() as folder:
             frames = os.path.join(folder, "frames.log")
-            lost = _native.write_file(request | {"path": frames}, table, truth)
+            lost, unsent = _native.write_file(request | {"path": frames}, table, truth)
             packed = os.path.join(folder, "packed" + suffix(target))
             with can.LogReader(frames) as reader, can.Logger(packed) as writer:
                 for message in reader:
@@ -182,5 +184,11 @@ def write_log(
         warnings.warn(
             f"{target}: {lost} values are outside the range of their J1939 signal and were "
             'written as "not available"',
+            stacklevel=2,
+        )
+    if unsent and not simulated:  # which has all signals
+        warnings.warn(
+            f"{target}: contains no {', '.join(unsent)}: J1939 has no signal for them, or the "
+            "steering ratio of the vehicle is needed",
             stacklevel=2,
         )

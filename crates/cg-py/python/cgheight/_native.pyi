@@ -22,6 +22,7 @@ __all__ = [
     "__version__",
     "after_lags",
     "calibrate_files",
+    "channel_factor",
     "copy_file",
     "estimate_arrays",
     "estimate_file",
@@ -158,16 +159,6 @@ class FrameTable:
         self, place: tuple[float, int], identifier: int, extended: bool, data: bytes, /
     ) -> None:
         """Add a frame, with time in seconds and bus."""
-    def push_channel(
-        self,
-        signal: str,
-        name: str,
-        unit: str,
-        time_s: NDArray[np.float64],
-        values: NDArray[np.float64],
-        /,
-    ) -> None:
-        """Add a measured channel: its signal, name, unit, time stamps and values."""
     def finish(self) -> dict[str, NDArray[np.float64]]:
         """End the log and return a dict of SI column names to arrays, without absent signals."""
     def remarks(self) -> list[str]:
@@ -250,9 +241,12 @@ def estimate_file(
     """Estimate from a log file (CSV, CSV in gzip, parquet, candump)."""
 
 def prepare(
-    signals: dict[str, NDArray[np.float64]], vehicle: Vehicle | None, /
+    signals: dict[str, NDArray[np.float64]], vehicle: Vehicle | None, apart: bool, /
 ) -> tuple[dict[str, NDArray[np.float64]], list[str]] | None:
     """Align channels of different rasters, and make roll angles of a roll rate."""
+
+def channel_factor(signal: str, name: str, unit: str, flip: list[str], /) -> tuple[str, float]:
+    """Return the SI column of a signal, and the factor from the unit of a channel to SI."""
 
 def resolve_columns(
     names: list[str], units: list[str], columns: list[str], flip: list[str], /
@@ -392,8 +386,11 @@ def write_file(
     signals: dict[str, NDArray[np.float64]],
     comments: list[str],
     /,
-) -> int:
-    """Write arrays to a log; return how many values are outside their J1939 range."""
+) -> tuple[int, list[str]]:
+    """Write arrays to a log.
+
+    Return how many values are outside their J1939 range, and the columns that J1939 lacks.
+    """
 
 def may_write_report(request: dict[str, Any], /) -> None:
     """Raise an error if the report may not be written; called before the work begins."""

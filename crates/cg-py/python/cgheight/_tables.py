@@ -13,7 +13,6 @@ from cgheight import _native
 from cgheight._arrays import column
 from cgheight._columns import flips, maps, table_signals
 from cgheight._extras import need
-from cgheight._frames import reading
 
 _MATLAB, _HDF5, _ARROW, _MDF = "MATLAB", "HDF5", "Arrow", "MDF"
 # The first bytes of a file.
@@ -146,32 +145,75 @@ _MANY = 500
 
 
 def channels(name: str, maps: list[str], flips: list[str]) -> dict[str, NDArray[np.float64]]:
-    """Return measured channels of an MDF file, aligned in the same way as CAN signals."""
+    """Return measured channels of an MDF file, with a row for each time stamp of any of them."""
     with need("asammdf", "can").MDF(name) as file:
         known = _channel_names(file, maps)
         units = [_unit(file, channel) for channel in known]
         found = _native.resolve_columns(["time_s", *known], ["", *units], maps, flips)
+        used = {place - 1 for place, _ in found.values()}
+        shown = [
+            channel if place in used or not unit else f"{channel} [{unit}]"
+            for place, (channel, unit) in enumerate(zip(known, units, strict=True))
+        ]
+        if not maps:
+            # A unit that is not understood is an error, as it is in the header of a table.
+            _native.resolve_columns(["time_s", *shown], ["", *units], [], flips)
         held = {}
         for signal, (place, factor) in found.items():
             if place > 0:
-                channel = file.get(known[place - 1])
-                samples = column(known[place - 1], channel.samples) * factor
-                held[signal] = (column("timestamps", channel.timestamps), samples)
-    return aligned(held)
+                channel = known[place - 1]
+                values = file.get(channel)
+                samples = column(channel, values.samples) * factor
+                held[signal] = (_times_s(file, channel, values.timestamps), samples)
+    return _side_by_side(held)
 
 
-def aligned(
+# What is not a second, and how many seconds it is.
+_SECONDS = {"ms": 1e-3, "us": 1e-6, "µs": 1e-6, "ns": 1e-9}
+_TIME = 1  # the kind of master channel, of which the others are angle, distance and index
+
+
+def _times_s(file: Any, channel: str, stamps: Any) -> NDArray[np.float64]:
+    """Return the time stamps of a channel in seconds."""
+    group, _ = file.channels_db[channel][0]
+    master = file.masters_db.get(group)
+    times_s = column("timestamps", stamps)
+    if master is not None:
+        kind = file.get_channel_metadata(group=group, index=master)
+        if getattr(kind, "sync_type", _TIME) > _TIME:
+            over = file.get_channel_name(group, master)
+            raise ValueError(
+                f"{channel} is recorded over {over}, which is not a time: export it over the time"
+            )
+        unit = str(file.get_channel_unit(group=group, index=master) or "").strip()
+        times_s = times_s * _SECONDS.get(unit, 1.0)
+    back = np.flatnonzero(~(np.diff(times_s) >= 0.0))
+    if len(back):
+        k = int(back[0])
+        raise ValueError(
+            f"{channel}: the time stamp {times_s[k + 1]:.6g} s of value {k + 1} does not come "
+            f"after {times_s[k]:.6g} s: sort the channel by time, or split the file there"
+        )
+    return times_s
+
+
+class SideBySide(dict[str, NDArray[np.float64]]):
+    """A table of channels with time stamps of their own, with a row for each of any of them."""
+
+
+def _side_by_side(
     held: Mapping[str, tuple[NDArray[np.float64], NDArray[np.float64]]],
 ) -> dict[str, NDArray[np.float64]]:
-    """Return signals with time stamps of their own as a table."""
-    times = [time_s for time_s, _ in held.values()]
-    if all(np.array_equal(times[0], time_s) for time_s in times):
-        return {"time_s": times[0], **{signal: values for signal, (_, values) in held.items()}}
-    table = _native.FrameTable(reading())
-    for signal, (time_s, values) in held.items():
-        quantity, _, unit = signal.rpartition("_")
-        table.push_channel(quantity, signal, unit, time_s, values)
-    return table.finish()
+    """Return signals as a table, in which cells are empty if their time stamps differ."""
+    # Stamps of one instant differ by rounding.
+    stamps = {signal: np.round(times_s, 6) for signal, (times_s, _) in held.items()}
+    time_s = np.unique(np.concatenate([[], *stamps.values()]))
+    apart = not all(np.array_equal(own, time_s) for own in stamps.values())
+    table = SideBySide(time_s=time_s) if apart else {"time_s": time_s}
+    for signal, (_, values) in held.items():
+        table[signal] = np.full(len(time_s), np.nan)
+        table[signal][np.searchsorted(time_s, stamps[signal])] = values
+    return table
 
 
 def _channel_names(file: Any, maps: list[str]) -> list[str]:
@@ -199,32 +241,28 @@ def _unit(file: Any, channel: str) -> str:
 def read_channels(
     name: str, signals: Mapping[str, str], flip: Iterable[str]
 ) -> dict[str, NDArray[np.float64]]:
-    """Return measured channels of an MDF file, aligned in the same way as CAN signals."""
+    """Return the measured channels of an MDF file that `signals` names, as `channels` does."""
     if "roll" not in signals and "tilt" not in signals:
         raise ValueError("signals contains no roll angle: give 'roll' or 'tilt'")
-    table = _native.FrameTable(reading(flip=flip))
+    held = {}
     with need("asammdf", "can").MDF(name) as file:
         known = set(file.channels_db)
         for signal, text in signals.items():
             channel, unit = _split(text)
             if channel not in known:
                 raise ValueError(f"{name}: has no channel {channel}; it has {_some(known)}")
-            found = file.get(channel)
-            unit = unit or _plain(found.unit)
-            times_s = column("timestamps", found.timestamps)
-            table.push_channel(signal, channel, unit, times_s, column(channel, found.samples))
-    return table.finish()
+            unit = unit or _unit(file, channel)
+            key, factor = _native.channel_factor(signal, channel, unit, flips(flip))
+            values = file.get(channel)
+            samples = column(channel, values.samples) * factor
+            held[key] = (_times_s(file, channel, values.timestamps), samples)
+    return _side_by_side(held)
 
 
 def _split(text: str) -> tuple[str, str]:
     """Return name and unit of ``Name[unit]``; the unit is empty if there are no brackets."""
     name, bracket, unit = text.partition("[")
     return name.strip(), unit.removesuffix("]").strip() if bracket else ""
-
-
-def _plain(unit: str | None) -> str:
-    # A degree sign in UTF-8 that was decoded as Latin-1 is preceded by an Â.
-    return (unit or "").replace("Â", "")
 
 
 def _some(names: set[str]) -> str:

@@ -23,6 +23,7 @@ from cgheight._frames import (
     reading,
     suffix,
 )
+from cgheight._logs import prepared
 from cgheight._results import Estimate
 from cgheight._tables import read_channels
 
@@ -97,8 +98,9 @@ def read_log(
     if not os.path.exists(name):
         raise FileNotFoundError(f"{name}: cannot be read (there is no such file)")
     if suffix(name) == ".mf4" and dbc is None and signals:
-        return pandas.DataFrame(read_channels(name, signals, flip))
-    table, remarks = read_frames(name, reading(dbc, signals, flip, roll_compensated, vdc2))
+        table, remarks = prepared(read_channels(name, signals, flip))
+    else:
+        table, remarks = read_frames(name, reading(dbc, signals, flip, roll_compensated, vdc2))
     frame = pandas.DataFrame(table)
     frame.attrs = {"remarks": remarks}
     return frame
