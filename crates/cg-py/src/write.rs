@@ -135,7 +135,11 @@ fn write_candump(
     let mut writer = CandumpWriter::create(target, steering_ratio)?;
     (0..columns.rows()).try_for_each(|index| writer.write_row(&columns.row(index)))?;
     let lost = writer.out_of_range();
-    let unsent = there.iter().filter(|signal| !writer.writes(**signal));
+    // A lateral acceleration is that of the yaw rate.
+    let is_served = |signal: &Signal| {
+        *signal == Signal::LateralAcceleration && there.contains(&Signal::YawRate)
+    };
+    let unsent = there.iter().filter(|signal| !writer.writes(**signal) && !is_served(signal));
     let unsent = unsent.map(|signal| signal.column()).collect();
     writer.finish()?;
     Ok((lost, unsent))

@@ -393,40 +393,6 @@ mod tests {
         assert_eq!(times_us(&text(&[7])), [7]);
     }
 
-    /// A stream that pauses after every byte.
-    struct Pausing(io::Cursor<Vec<u8>>, bool);
-
-    impl Read for Pausing {
-        fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
-            self.1 = !self.1;
-            if self.1 {
-                Err(io::ErrorKind::WouldBlock.into())
-            } else {
-                self.0.read(&mut buffer[..1])
-            }
-        }
-    }
-
-    /// The last line lacks its end, so that there are two pauses behind it.
-    #[test]
-    fn reading_goes_on_after_a_pause() {
-        let text = "(1.000000) can0 123#00\n(2.000000) can0 123#01\n(3.000000) can0 123#02";
-        let stream = Pausing(io::Cursor::new(text.into()), false);
-        let mut reader = CandumpReader::new(io::BufReader::new(stream), None);
-        let (mut times_us, mut pauses) = (Vec::new(), 0);
-        loop {
-            match reader.next_frame() {
-                Ok(Some(frame)) => times_us.push(frame.time_us),
-                Ok(None) => break,
-                Err(fault) => {
-                    assert!(fault.is_pause(), "{fault}");
-                    pauses += 1;
-                }
-            }
-        }
-        assert_eq!((times_us, pauses), (vec![1_000_000, 2_000_000, 3_000_000], text.len() + 2));
-    }
-
     /// The compact form never contains differences, so frames with equal time stamps remain
     /// unchanged.
     #[test]

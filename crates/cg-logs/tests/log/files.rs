@@ -5,6 +5,7 @@ use std::io::{self, Read, Write};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
+use cg_logs::can::CandumpReader;
 use flate2::Compression;
 use flate2::write::GzEncoder;
 
@@ -222,6 +223,26 @@ fn a_stream_goes_on_after_a_pause() {
         assert!(rows.iter().copied().eq(expected), "{} rows", rows.len());
         assert!(pauses >= least, "{pauses}");
     }
+}
+
+/// The last line lacks its end.
+#[test]
+fn frames_go_on_after_a_pause() {
+    let text = "(1.000000) can0 123#00\n(2.000000) can0 123#01\n(3.000000) can0 123#02";
+    let stream = io::BufReader::new(Pausing(text.into(), 0, false));
+    let (mut reader, mut times_us, mut pauses) = (CandumpReader::new(stream, None), Vec::new(), 0);
+    loop {
+        match reader.next_frame() {
+            Ok(Some(frame)) => times_us.push(frame.time_us),
+            Ok(None) => break,
+            Err(fault) => {
+                assert!(fault.is_pause(), "{fault}");
+                pauses += 1;
+            }
+        }
+    }
+    assert_eq!(times_us, [1_000_000, 2_000_000, 3_000_000]);
+    assert!(pauses > text.len() / 7, "{pauses}");
 }
 
 /// What a reader gives, one after the other: rows, errors and findings, each with the line reached.
