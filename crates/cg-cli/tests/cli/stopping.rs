@@ -3,6 +3,7 @@
 use std::fs;
 use std::io::{BufRead, BufReader, Read, Write};
 use std::process::{Child, ChildStdout, Command, Stdio};
+use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
 use std::time::{Duration, Instant};
 
 use flate2::Compression;
@@ -43,6 +44,18 @@ fn stopped(child: &mut Child, signal: &str) -> Option<i32> {
     child.kill().unwrap();
     child.wait().unwrap();
     panic!("{signal} had no effect");
+}
+
+/// Ends a program that waits in vain, unless what is returned is dropped before.
+fn ends_at_last(child: &Child) -> Sender<()> {
+    let (watch, dropped) = channel();
+    let id = child.id().to_string();
+    std::thread::spawn(move || {
+        if dropped.recv_timeout(Duration::from_secs(60)) == Err(RecvTimeoutError::Timeout) {
+            let _ = Command::new("kill").args(["-KILL", &id]).status();
+        }
+    });
+    watch
 }
 
 /// The last event of the rest of the output.
@@ -130,6 +143,7 @@ fn a_stall_of_a_live_pipe_is_told() {
         let mut child = begin(&run);
         let mut pipe = child.stdin.take().unwrap();
         let mut out = BufReader::new(child.stdout.take().unwrap());
+        let _watch = ends_at_last(&child);
         pipe.write_all((sent.join("\n") + "\n").as_bytes()).unwrap();
         read_until(&mut out, r#""state":"straight""#);
         read_until(&mut out, r#""state":"no signals""#);
