@@ -7,7 +7,7 @@
 //! same linear system covers both cases.
 
 use cg_core::AlignSettings;
-use nalgebra::{Matrix4, Vector4};
+use nalgebra::{DMatrix, DVector};
 
 use crate::error::VehicleError;
 use crate::load::{Load, SprungMass};
@@ -305,20 +305,21 @@ fn solved_on(vehicle: &Vehicle, load: Load, gives: &[Give]) -> Result<StaticBala
     let axles = vehicle.axles();
     let sprung = vehicle.trailer_sprung_mass(load)?;
     let supports = supports(vehicle, &axles, gives);
-    let (forces_n, hitch_load_n) = solve(vehicle, &sprung, &supports)?;
+    let solution = solve(vehicle, &sprung, &supports)?;
 
     let g = vehicle.gravity_mps2;
     let mut axle_load_n = vec![0.0; axles.len()];
-    for (support, force_n) in supports.iter().zip(&forces_n) {
+    for (support, force_n) in supports.iter().zip(solution.iter()) {
         #[allow(clippy::cast_precision_loss)]
         let n = support.axles.len() as f64;
         for &i in &support.axles {
             axle_load_n[i] = force_n / n + axles[i].axle.unsprung_mass_kg * g;
         }
     }
+    let hitch_load_n = solution[supports.len()];
     let moment_nm: f64 = supports
         .iter()
-        .zip(&forces_n)
+        .zip(solution.iter())
         .filter(|(support, _)| support.on_trailer)
         .map(|(support, force_n)| support.position_m * force_n)
         .sum();
@@ -375,49 +376,42 @@ pub(crate) fn determined(vehicle: &Vehicle) -> Result<(), (String, String, Strin
     }
 }
 
-/// Suspension force of each support, and the hitch load, N.
+/// Suspension force of each support and the hitch load, N.
 fn solve(
     vehicle: &Vehicle,
     sprung: &SprungMass,
     supports: &[Support],
-) -> Result<(Vec<f64>, f64), VehicleError> {
-    // Unknowns: height z of the frames at the hitch, slope of each frame (rise per meter of distance from the hitch), and the
-    // hitch load H (on the tractor, downwards). A support carries (free height − z − slope · position)/compliance.
-    const SLOPE: usize = 1;
-    const HITCH: usize = 3;
-    let mut a = Matrix4::zeros();
-    let mut b = Vector4::zeros();
-    for support in supports {
-        let unit = usize::from(support.on_trailer);
-        let n_per_m = 1.0 / support.compliance_m_per_n;
-        // Forces of a unit, and moments about the hitch (eqs. 2.1–2.4).
-        for (row, lever) in [(2 * unit, 1.0), (2 * unit + 1, support.position_m)] {
-            a[(row, 0)] += lever * n_per_m;
-            a[(row, SLOPE + unit)] += lever * n_per_m * support.position_m;
-            b[row] += lever * n_per_m * support.free_height_m;
-        }
-    }
-    let [tractor_n, trailer_n] =
-        [vehicle.tractor.sprung_mass_kg, sprung.mass_kg].map(|kg| kg * vehicle.gravity_mps2);
-    b -= Vector4::new(
-        tractor_n,
-        tractor_n * vehicle.tractor.hitch_behind_cg_m,
-        trailer_n,
-        trailer_n * sprung.cg_behind_hitch_m,
-    );
+) -> Result<DVector<f64>, VehicleError> {
+    // Unknowns: support forces F, hitch load H (on the tractor, downwards), height z of the frame
+    // at the hitch, slope of each frame (rise per meter of distance from the hitch).
+    let n = supports.len();
+    let (hitch, height, slope) = (n, n + 1, n + 2);
+    let mut a = DMatrix::zeros(n + 4, n + 4);
+    let mut b = DVector::zeros(n + 4);
+    let g = vehicle.gravity_mps2;
     // A force of 1 MN is weighted like a deflection of 1 m, so that the system is well scaled.
     let scale_n = 1e6;
-    (a[(0, HITCH)], a[(2, HITCH)]) = (scale_n, -scale_n);
-    let solution = (a / scale_n).lu().solve(&(b / scale_n));
-    let Some(x) = solution.filter(|x| x.iter().all(|value| value.is_finite())) else {
-        let problem = "static balance: two supports of one unit coincide";
-        return Err(VehicleError::Model(problem.to_owned()));
-    };
-    let force_n = |support: &Support| {
-        let slope = x[SLOPE + usize::from(support.on_trailer)];
-        (support.free_height_m - x[0] - slope * support.position_m) / support.compliance_m_per_n
-    };
-    Ok((supports.iter().map(force_n).collect(), scale_n * x[HITCH]))
+    for (i, support) in supports.iter().enumerate() {
+        // z + slope · position + compliance · F = free height
+        a[(i, height)] = 1.0;
+        a[(i, slope + usize::from(support.on_trailer))] = support.position_m;
+        a[(i, i)] = support.compliance_m_per_n * scale_n;
+        b[i] = support.free_height_m;
+        let unit = n + 2 * usize::from(support.on_trailer);
+        a[(unit, i)] = 1.0;
+        a[(unit + 1, i)] = support.position_m;
+    }
+    // Forces and moments about the hitch (eqs. 2.1–2.4).
+    a[(n, hitch)] = -1.0;
+    b[n] = vehicle.tractor.sprung_mass_kg * g / scale_n;
+    b[n + 1] = b[n] * vehicle.tractor.hitch_behind_cg_m;
+    a[(n + 2, hitch)] = 1.0;
+    b[n + 2] = sprung.mass_kg * g / scale_n;
+    b[n + 3] = b[n + 2] * sprung.cg_behind_hitch_m;
+    let solution = a.lu().solve(&b).filter(|x| x.iter().all(|value| value.is_finite()));
+    solution.map(|x| x * scale_n).ok_or_else(|| {
+        VehicleError::Model("static balance: two supports of one unit coincide".to_owned())
+    })
 }
 
 #[cfg(test)]

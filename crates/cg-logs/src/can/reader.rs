@@ -65,9 +65,7 @@ impl CandumpFault {
     pub fn is_pause(&self) -> bool {
         matches!(self, Self::Read { source, .. } if source.kind() == io::ErrorKind::WouldBlock)
     }
-}
 
-impl CandumpFault {
     /// Refuses a bus that is not in the log.
     pub(super) fn check_bus(only: Option<&String>, buses: &[String]) -> Result<(), Self> {
         match only {

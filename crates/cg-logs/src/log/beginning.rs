@@ -57,6 +57,7 @@ impl Rasters {
 
     /// Those of a table whose channels are known to have time stamps of their own.
     pub fn apart() -> Self {
+        // A row with a roll angle, and one with an input.
         Self { rows: 2, rolls: 1, inputs: 1, ..Self::default() }
     }
 

@@ -61,7 +61,7 @@ pub struct CandumpWriter {
     origin_s: Option<f64>,
 }
 
-/// The signals of a log that are written, the others have no J1939 signal.
+/// The signals of a log that are written; the others have no J1939 signal.
 const WRITTEN: [Column; 15] = [
     Column::Time,
     Column::Steer,
@@ -288,6 +288,26 @@ mod tests {
         let text = std::fs::read_to_string(&path).unwrap();
         let times: Vec<&str> = text.lines().map(|line| &line[..10]).collect();
         assert_eq!(times, ["(0.750000)", "(1.500000)", "(2.250000)"]);
+    }
+
+    /// Each signal alone is in the file if it is among those that are written.
+    #[test]
+    fn signals_that_are_written_are_in_the_file() {
+        let folder = tempfile::tempdir().unwrap();
+        for signal in Column::ALL.into_iter().filter(|signal| *signal != Column::Time) {
+            let path = folder.path().join(format!("{}.log", signal.name()));
+            let mut writer = writer(&path);
+            let is_written = writer.writes(signal);
+            let value = |column| match column {
+                Column::Time => 0.0,
+                column if column == signal => 0.1,
+                _ => f64::NAN,
+            };
+            writer.write_row(&LogRow::from_values(Column::ALL.map(value))).unwrap();
+            writer.finish().unwrap();
+            let is_there = !std::fs::read_to_string(&path).unwrap().is_empty();
+            assert_eq!(is_there, is_written, "{}", signal.name());
+        }
     }
 
     #[test]

@@ -167,15 +167,15 @@ impl Rows {
     #[cold]
     fn fail(&mut self, fault: Fault) -> LogError {
         let place = self.place();
-        self.over =
-            !matches!(&fault, Fault::Io(source) if source.kind() == io::ErrorKind::WouldBlock);
-        match fault {
+        let error = match fault {
             Fault::TooLong => LogError::TooLong { place, limit_bytes: LIMIT_BYTES },
             Fault::Io(source) if self.gzip && is_damage(&source) => {
                 LogError::Gzip { place, source }
             }
             Fault::Io(source) => LogError::Read { place, source },
-        }
+        };
+        self.over = !error.is_pause();
+        error
     }
 
     /// Reads the header from the current line. The line after it is read only if the names leave

@@ -110,14 +110,14 @@ pub(super) struct Standing {
 
 /// Lateral force and aligning moment of an axle, and their derivatives with respect to its velocity across.
 #[derive(Default)]
-struct Held {
+struct TyreForces {
     force_n: f64,
     moment_nm: f64,
     force_slope: f64,
     moment_slope: f64,
 }
 
-impl Held {
+impl TyreForces {
     /// Adds the moment about a point, and its slope.
     fn add_about(&self, lever_m: f64, (moment_nm, slope): (f64, f64)) -> (f64, f64) {
         (
@@ -230,13 +230,13 @@ impl Turn {
 
     /// Force and aligning moment of an axle when its middle moves across at `across_mps` and along at `along_mps`, and the
     /// derivatives of both with respect to `across_mps`.
-    fn held(&self, i: usize, across_mps: f64, along_mps: f64, standing: &[Standing]) -> Held {
+    fn held(&self, i: usize, across_mps: f64, along_mps: f64, standing: &[Standing]) -> TyreForces {
         let (axle, on) = (&self.axles[i], &standing[i]);
         let slope = -across_mps / along_mps;
         let slip_rad = libm::atan(slope) + axle.roll_steer * on.lean_rad;
         let grip = &self.kinds[axle.kind];
         let row = grip.row(slip_rad);
-        let mut held = Held::default();
+        let mut held = TyreForces::default();
         for &load_n in &on.loads_n {
             let [(force_n, moment_nm), slopes] = grip.sloped(slip_rad, load_n, row);
             // The force of the tires is opposite to the slip.

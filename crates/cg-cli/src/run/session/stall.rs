@@ -6,9 +6,9 @@ use std::time::Duration;
 use super::{NextTimes, SILENT_US, Session};
 
 impl<W: Write> Session<W> {
-    /// Follows that nothing has come for this time, which `missing` signals at that stream time. The stream goes on where it stopped, so that
-    /// rows that come late are used as if they had come in time; only what depends on the present ends. Events have the time of
-    /// the last row.
+    /// Follows that nothing has come for this time. `missing` names the signals that are missing at a stream time. The stream goes
+    /// on where it stopped, so that rows that come late are used as if they had come in time; only what depends on the present
+    /// ends. Events have the time of the last row.
     pub(crate) fn stall(
         &mut self,
         silence: Duration,
