@@ -8,7 +8,7 @@ import pandas as pd
 import pytest
 
 import cgheight
-from conftest import FIXTURES, ONE_TURN
+from conftest import FIXTURES, ONE_TURN, read
 
 UNITS = {
     "roll_rad": "rad",
@@ -74,8 +74,11 @@ def test_inputs_in_rows_of_their_own_are_used_beside_one_with_the_roll_angle(
 
 
 @pytest.mark.parametrize("time_s", [-0.004, 0.004, 1.004])
-def test_a_mass_in_a_row_of_its_own_counts(time_s, kraz, turn, height):
+def test_a_mass_in_a_row_of_its_own_counts(time_s, kraz):
+    """The mass of the vehicle file is another one."""
+    turn = read("A_p20_h190_v50_L.csv")
     frame = pd.DataFrame({name: turn[name] for name in ["time_s", *UNITS]})
+    height = cgheight.estimate_log(frame, vehicle=kraz).height_m
     mass = pd.DataFrame({"time_s": [time_s], "trailer_mass_kg": [turn["trailer_mass_kg"][0]]})
     frame = pd.concat([frame.drop(columns="trailer_mass_kg"), mass]).sort_values("time_s")
     answer = cgheight.estimate_log(frame, vehicle=kraz)
