@@ -88,7 +88,7 @@ impl YawRollPlant {
     }
 
     /// The number of steps of equal length that an interval has: at least one, and none is longer than
-    /// [`step_s`](Self::step_s).
+    /// [`step_s`](Self::step_s). At walking pace a run divides each of them further.
     pub fn steps(&self, interval_s: f64) -> u32 {
         // Rounding of a log's times must not add a step.
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
@@ -145,7 +145,8 @@ impl<'a> Simulation<'a> {
         let from = Control { acceleration_mps2, ..self.control };
         let wind_mps = self.control.wind_mps;
         let to = Control { steer_rad, speed_mps, acceleration_mps2, ground: *ground, wind_mps };
-        let steps = self.plant.steps(interval_s);
+        let parts = self.plant.parts(speed_mps.min(self.control.speed_mps));
+        let steps = self.plant.steps(interval_s).saturating_mul(parts);
         let h = interval_s / f64::from(steps);
         // Differences due to rounding of a log's times are ignored.
         if (h - self.past.step_s).abs() > 1e-6 * h {

@@ -41,6 +41,16 @@ impl Method {
         let adams = fastest_radps * step_s <= Self::ADAMS;
         Ok((if adams { Self::Adams } else { Self::RungeKutta }, step_s))
     }
+
+    /// Speed below which steps of this length are too long: tires hold the axles against lateral motion as a damper does whose
+    /// strength is inversely proportional to the speed. `fastest_radps` is the fastest motion at a speed at which it is the tires'.
+    pub(super) fn slow_mps(self, step_s: f64, fastest_radps: f64, speed_mps: f64) -> f64 {
+        let greatest = match self {
+            Self::Adams => Self::ADAMS,
+            Self::RungeKutta => Self::RUNGE_KUTTA,
+        };
+        speed_mps * fastest_radps * step_s / greatest
+    }
 }
 
 #[cfg(test)]

@@ -14,7 +14,7 @@ use super::vector::{sin_cos, small_atan};
 use cg_vehicle::characteristics::Grip;
 
 /// The slip is computed with at least this speed.
-const LEAST_SPEED_MPS: f64 = 0.3;
+pub(super) const LEAST_SPEED_MPS: f64 = 0.3;
 /// Tires of one side.
 pub(super) const PER_SIDE: usize = 2;
 

@@ -9,6 +9,7 @@ use super::options::PlantOptions;
 use super::sample::PlantSample;
 use super::setup;
 use super::state::{AxleCoordinate, Coordinate, FRONT_ROLL, ROOM, State};
+use super::tyre::LEAST_SPEED_MPS;
 use super::vector::Vector;
 use cg_vehicle::error::VehicleError;
 use cg_vehicle::{Load, Vehicle};
@@ -23,6 +24,8 @@ pub struct YawRollPlant {
     pub(super) wind_mps: [f64; 2],
     pub(super) step_s: f64,
     pub(super) method: Method,
+    /// Below this speed, steps are shorter.
+    slow_mps: f64,
 }
 
 impl YawRollPlant {
@@ -41,12 +44,16 @@ impl YawRollPlant {
         let PlantOptions { bank_rad, grade_rad, wind_mps, step_s, .. } = *options;
         let ground = Ground { bank_rad, grade_rad, ..Ground::default() };
         let method = Method::RungeKutta;
-        let mut plant = Self { parameters, design, steered, ground, wind_mps, step_s, method };
+        let slow_mps = 0.0;
+        let mut plant =
+            Self { parameters, design, steered, ground, wind_mps, step_s, method, slow_mps };
         if options.design_load.is_some() {
             plant.lift_to(load.cg_height_m, vehicle.nominal_speed_mps)?;
         }
         let fastest_radps = plant.fastest_radps(vehicle.nominal_speed_mps)?;
         (plant.method, plant.step_s) = Method::for_mode(fastest_radps, step_s)?;
+        let slowly_radps = plant.fastest_radps(LEAST_SPEED_MPS)?;
+        plant.slow_mps = plant.method.slow_mps(plant.step_s, slowly_radps, LEAST_SPEED_MPS);
         Ok(plant)
     }
 
@@ -117,8 +124,18 @@ impl YawRollPlant {
         PlantSample::new(state, control, (&probe, &self.parameters), &self.steered)
     }
 
-    /// Step of the integration.
+    /// Step of the integration, where the speed is not so low that the tires need a shorter one.
     pub fn step_s(&self) -> f64 {
         self.step_s
+    }
+
+    /// The number of parts into which a step at a speed is divided: twice as many at half the speed, so that a run whose speed
+    /// changes a little keeps its step.
+    pub(super) fn parts(&self, speed_mps: f64) -> u32 {
+        let (mut parts, mut enough_mps) = (1, self.slow_mps);
+        while enough_mps > speed_mps.max(LEAST_SPEED_MPS) {
+            (parts, enough_mps) = (2 * parts, 0.5 * enough_mps);
+        }
+        parts
     }
 }

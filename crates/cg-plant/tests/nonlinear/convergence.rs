@@ -150,3 +150,28 @@ fn too_much_steer_rolls_the_vehicle_over_and_says_when() {
     assert!(time_s > 0.5 && time_s < 10.0, "{time_s}");
     assert!(run.upright().unwrap_err().to_string().contains("rolled over at"));
 }
+
+/// At walking pace the tires hold the axles as firm dampers do (2 700 rad/s at 0.3 m/s): the step gets shorter there. With that
+/// of faster driving a turn grew without bound.
+#[test]
+fn a_turn_at_walking_pace_has_steps_that_are_short_enough() {
+    for name in ["baseline", "baseline-tables", "air", "euro", "kraz"] {
+        let vehicle = vehicle(name);
+        for speed_mps in [0.1, 0.5, 1.0, 2.0] {
+            let felt_mps2 = |step_s| {
+                let options = PlantOptions { step_s, ..PlantOptions::default() };
+                let load = vehicle.reference_load();
+                let plant = YawRollPlant::new(&vehicle, load, &options).unwrap();
+                let mut run = plant.start(speed_mps).unwrap();
+                for _ in 0..300 {
+                    run.push(0.05, speed_mps, 0.01);
+                }
+                run.sample().trailer.lateral_acceleration_mps2
+            };
+            let (coarse_mps2, fine_mps2) = (felt_mps2(2e-3), felt_mps2(1e-4));
+            println!("{name} {speed_mps} m/s: {fine_mps2:.1e} {:.1e}", coarse_mps2 - fine_mps2);
+            // Slips are 2 mrad here. A millionth of the friction of dry road times gravity is less than any sensor shows.
+            assert!((coarse_mps2 - fine_mps2).abs() < 1e-5, "{name} {speed_mps} m/s");
+        }
+    }
+}
