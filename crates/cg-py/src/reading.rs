@@ -32,6 +32,7 @@ pub(crate) struct Reading {
     roll_compensated: String,
     #[pyo3(from_py_with = text)]
     vdc2: String,
+    bus: Option<String>,
 }
 
 impl Reading {
@@ -47,7 +48,13 @@ impl Reading {
             Some(path) => MappedSignal::load(path, &maps).map_err(dbc_error)?,
             None => Vec::new(),
         };
-        let can = CanOptions { mapped, compensation, vdc2, ..CanOptions::default() };
+        let can = CanOptions {
+            mapped,
+            compensation,
+            vdc2,
+            bus: self.bus.clone(),
+            ..CanOptions::default()
+        };
         Ok(LogOptions { can, ..log_options(&[], &self.flip)? })
     }
 }

@@ -140,7 +140,7 @@ impl Stream {
         Ok((vehicle.clone_ref(py), options, learned.clone(), PyBytes::new(py, &bytes)))
     }
 
-    /// Process one row. Absent signals are NaN.
+    /// Process one row. Absent signals are None or NaN.
     ///
     /// Parameters
     /// ----------
@@ -166,21 +166,23 @@ impl Stream {
     ///     the mass is negative. The row is ignored.
     /// TypeError
     ///     There is no such signal.
-    #[pyo3(signature = (time_s, steer_rad = f64::NAN, roll_rad = f64::NAN, **signals))]
+    #[pyo3(signature = (time_s, steer_rad = None, roll_rad = None, **signals))]
     fn push(
         &self,
         py: Python<'_>,
         time_s: f64,
-        steer_rad: f64,
-        roll_rad: f64,
+        steer_rad: Option<f64>,
+        roll_rad: Option<f64>,
         signals: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<&'static str> {
         let mut values = [f64::NAN; Signal::COUNT];
         values[Signal::Time as usize] = time_s;
-        values[Signal::Steer as usize] = steer_rad;
-        values[Signal::Roll as usize] = roll_rad;
+        let absent = f64::NAN;
+        values[Signal::Steer as usize] = steer_rad.unwrap_or(absent);
+        values[Signal::Roll as usize] = roll_rad.unwrap_or(absent);
         for (name, value) in signals.into_iter().flatten() {
-            values[signal(name.extract()?)? as usize] = value.extract()?;
+            let value: Option<f64> = value.extract()?;
+            values[signal(name.extract()?)? as usize] = value.unwrap_or(absent);
         }
         let mut state = self.state.lock_py_attached(py).unwrap_or_else(PoisonError::into_inner);
         state.push(values).map_err(value_error)

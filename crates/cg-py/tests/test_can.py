@@ -125,6 +125,43 @@ def test_every_format_gives_the_height_of_the_arrays(suffix, truck, drive, tmp_p
     assert again == answer
 
 
+@pytest.mark.parametrize(
+    ("suffix", "names"),
+    [
+        (".log", ["can0", "can1"]),
+        (".asc", ["1", "2"]),
+        (".blf", [0, 1]),
+        (".trc", ["1", "2"]),
+        (".mf4", ["0", "1"]),
+    ],
+)
+def test_one_of_two_buses_can_be_selected(suffix, names, truck, drive, tmp_path):
+    log, first = drive
+    second, both = tmp_path / "second.log", tmp_path / f"both{suffix}"
+    other = dict(log.signals, roll_rad=0.5 * log.signals["roll_rad"])
+    cgheight.write_log(other, second, vehicle=truck)
+    with (
+        can.LogReader(first) as one,
+        can.LogReader(second) as two,
+        can.Logger(both) as writer,
+    ):
+        for frames in zip(one, two, strict=True):
+            for channel, frame in enumerate(frames):
+                frame.channel = channel
+                writer(frame)
+    found = ", ".join(map(str, names))
+    assert f"the buses {found}; each signal" in read_log(both).attrs["remarks"][0]
+    for name, alone in zip(names, (first, second), strict=True):
+        frame, expected = read_log(both, bus=name), read_log(alone)
+        assert frame.attrs == {"remarks": []}
+        # The angles are those of the frames; the rest is interpolated to times that formats round.
+        assert np.array_equal(frame.roll_to_gravity_rad, expected.roll_to_gravity_rad)
+    with pytest.raises(
+        ValueError, match=f"no frame of the bus `7`; the buses in the log are {found}"
+    ):
+        read_log(both, bus=7)
+
+
 def messages_by_dbc(log, folder):
     """Write a log with the frames of the DBC file; return the paths of both files."""
     dbc, path = folder / "truck.dbc", folder / "dbc.asc"

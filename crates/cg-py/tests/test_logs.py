@@ -8,6 +8,7 @@ import tomllib
 
 import numpy as np
 import pandas as pd
+import pyarrow as pa
 import pytest
 
 import cgheight
@@ -184,6 +185,34 @@ def test_frames_may_have_gaps_and_only_need_columns_and_items(kraz, turn):
     answer = cgheight.estimate_log(frame, vehicle=kraz)
     assert answer.status == "ok"
     assert any("1 of 1700 rows" in message for message in answer.messages)
+
+
+@pytest.mark.parametrize("absent", [None, pd.NA, np.nan])
+def test_every_way_to_say_that_a_value_is_absent(absent, kraz, turn):
+    gaps = {name: column.copy() for name, column in turn.items()}
+    gaps["roll_rad"][700:760] = np.nan
+    expected = cgheight.estimate(**gaps, vehicle=kraz)
+    assert expected != cgheight.estimate(**turn, vehicle=kraz)
+    frame = pd.DataFrame(turn).astype({"roll_rad": object})
+    frame.loc[700:759, "roll_rad"] = absent
+    assert_same(cgheight.estimate_log(frame, vehicle=kraz), expected)
+    if absent is not pd.NA:  # which is no number anywhere else
+        stream = cgheight.Estimator(kraz)
+        for index in range(len(turn["time_s"])):
+            row = {name: column[index] for name, column in turn.items()}
+            stream.push(**row | ({"roll_rad": absent} if 700 <= index < 760 else {}))
+        assert_same(stream.estimate(), expected)
+
+
+@pytest.mark.parametrize("form", ["arrow", "pandas"])
+def test_other_columns_may_share_a_name(form, kraz, turn):
+    names = [*turn, "note", "note"]
+    values = [*turn.values(), np.zeros(len(turn["time_s"])), np.ones(len(turn["time_s"]))]
+    if form == "arrow":
+        table = pa.table(values, names=names)
+    else:
+        table = pd.DataFrame(np.transpose(values), columns=names)
+    assert_same(cgheight.estimate_log(table, vehicle=kraz), cgheight.estimate(**turn, vehicle=kraz))
 
 
 def test_gzip_is_read_as_what_it_holds(kraz, tmp_path):

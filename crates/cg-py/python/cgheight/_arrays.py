@@ -20,6 +20,8 @@ def column(name: str, values: Any) -> NDArray[np.float64]:
         _refuse_complex(values)
         if isinstance(values, np.ma.MaskedArray):
             values = np.ma.filled(values.astype(np.float64), np.nan)
+        if hasattr(values, "isna") and getattr(values.dtype, "kind", None) == "O":
+            values = values.to_numpy(dtype=np.float64, na_value=np.nan)
         array = np.asarray(values, dtype=np.float64)
     except (TypeError, ValueError) as error:
         raise ValueError(f"{name} does not contain numbers: {error}") from error

@@ -55,6 +55,15 @@ def table_signals(table: Any, maps: list[str], flips: list[str]) -> dict[str, ND
     return resolved
 
 
+def _at(table: Any, place: int, key: Any) -> Callable[[], Any]:
+    """Return how to get a column: by its place if there may be two of a name."""
+    if hasattr(table, "iloc"):
+        return lambda: table.iloc[:, place]
+    if hasattr(table, "column_names"):
+        return partial(table.column, place)
+    return partial(table.__getitem__, key)
+
+
 def _columns(table: Any) -> list[tuple[str, Callable[[], Any]]]:
     """Return the columns: their names as text, and how to get their values."""
     if type(table).__name__ == "LazyFrame":
@@ -69,7 +78,7 @@ def _columns(table: Any) -> list[tuple[str, Callable[[], Any]]]:
         kind = type(table).__name__
         raise ValueError(f"log is of type {kind}: give a path or a data frame")
     columns: list[tuple[str, Callable[[], Any]]] = [
-        (str(key), partial(table.__getitem__, key)) for key in keys
+        (str(key), _at(table, place, key)) for place, key in enumerate(keys)
     ]
     index = getattr(table, "index", None)
     if index is None or callable(index) or not hasattr(index, "name"):

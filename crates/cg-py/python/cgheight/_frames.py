@@ -46,6 +46,7 @@ def reading(
     flip: Iterable[str] = (),
     roll_compensated: str = "bit",
     vdc2: str = "specific-force",
+    bus: str | int | None = None,
 ) -> dict[str, Any]:
     """Return the rules for decoding frames in the form of the compiled module."""
     if dbc is None and signals:
@@ -61,31 +62,42 @@ def reading(
         "flip": flips(flip),
         "roll_compensated": roll_compensated,
         "vdc2": vdc2,
+        "bus": None if bus is None else str(bus),
     }
 
 
-def framed() -> Callable[[Any], Frame | None]:
-    """Return a function that converts python-can messages to frames, or to None without data."""
-    buses: dict[Hashable, int] = {}
+def framed(
+    only: str | None = None, buses: dict[Hashable, int] | None = None
+) -> Callable[[Any], Frame | None]:
+    """Return a function that converts python-can messages to frames.
+
+    It returns None for messages without data and for those of other buses than `only`. `buses` gets
+    the names of all.
+    """
+    buses = {} if buses is None else buses
 
     def frame(message: Any) -> Frame | None:
         if message.is_error_frame or message.is_remote_frame:
             return None
         bus = buses.setdefault(message.channel, min(len(buses), _BUSES - 1))
+        if only is not None and str(message.channel) != only:
+            return None
         place = (float(message.timestamp), bus)
         return place, message.arbitration_id, message.is_extended_id, bytes(message.data)
 
     return frame
 
 
-def _frames(name: str) -> Iterator[Frame]:
-    """Read the frames of a file with python-can."""
+def _frames(
+    name: str, only: str | None = None, buses: dict[Hashable, int] | None = None
+) -> Iterator[Frame]:
+    """Read the frames of a file, or of one of its buses, with python-can."""
     can = need("can", "can")
     if suffix(name) == ".mf4":
         need("asammdf", "can")
     if not os.path.exists(name):
         raise FileNotFoundError(f"{name}: cannot be read (there is no such file)")
-    frame, count = framed(), 0
+    frame, count = framed(only, buses), 0
     try:
         with can.LogReader(name) as reader:
             _refuse_cut(name, reader)
@@ -111,6 +123,22 @@ def _refuse_cut(name: str, reader: Any) -> None:
         )
 
 
+def _buses(name: str, only: str | None, found: list[str]) -> list[str]:
+    """Refuse a bus that is not in a file; return the remark on several of which all are used."""
+    names = ", ".join(found) or "none"
+    if only is not None and only not in found:
+        raise ValueError(
+            f"{name}: no frame of the bus `{only}`; the buses in the log are {names}; give one of "
+            "them with bus"
+        )
+    if only is not None or len(found) < 2:
+        return []
+    return [
+        f"the log has frames of the buses {names}; each signal is taken from the bus on which it "
+        'appears first; bus="NAME" selects one bus'
+    ]
+
+
 def _refuse_empty(name: str, rows: int, frames: int, remarks: list[str]) -> None:
     if rows == 0:
         doubts = "".join(f"; {remark}" for remark in remarks)
@@ -127,10 +155,11 @@ def read_frames(
     name = os.fspath(path)
     if suffix(name) in NATIVE:
         return _native.read_frames(name, understood)
-    table = _native.FrameTable(understood)
-    for frame in _frames(name):
+    table, buses = _native.FrameTable(understood), dict[Hashable, int]()
+    for frame in _frames(name, understood["bus"], buses):
         table.push(*frame)
     signals, remarks = table.finish(), table.remarks()
+    remarks += _buses(name, understood["bus"], [str(bus) for bus in buses])
     _refuse_empty(name, len(signals), table.frames[0], remarks)
     return signals, remarks
 

@@ -121,11 +121,11 @@ class Stream:
     def push(
         self,
         time_s: float,
-        steer_rad: float = ...,
-        roll_rad: float = ...,
-        **signals: float,
+        steer_rad: float | None = ...,
+        roll_rad: float | None = ...,
+        **signals: float | None,
     ) -> Literal["absent", "straight", "turning"]:
-        """Process one row. Absent signals are NaN."""
+        """Process one row. Absent signals are None or NaN."""
     def estimate(self) -> Estimate:
         """Return the estimate so far, as if the log ended here; more rows may follow."""
 

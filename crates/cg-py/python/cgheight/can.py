@@ -43,6 +43,7 @@ def read_log(
     flip: Iterable[str] = (),
     roll_compensated: str = "bit",
     vdc2: str = "specific-force",
+    bus: str | int | None = None,
 ) -> pd.DataFrame:
     """Read a CAN log into a table that `estimate_log` takes.
 
@@ -73,6 +74,9 @@ def read_log(
     vdc2 : {"specific-force", "acceleration"}
         What the lateral acceleration of the J1939 group VDC2 is: the specific force of the tractor,
         gravity included, or the acceleration of the path, if the device compensates gravity.
+    bus : str or int, optional
+        The only bus whose frames are used, by its name or number in the file. Without it, each
+        signal is taken from the bus on which it appears first, and ``attrs["remarks"]`` names them.
 
     Returns
     -------
@@ -85,8 +89,8 @@ def read_log(
     FileNotFoundError
         There is no such file.
     ValueError
-        The file has an unknown format, is damaged or contains no roll angle, or a name or a unit
-        is unknown.
+        The file has an unknown format, is damaged or contains no roll angle, or a name, a unit or
+        the bus is unknown.
     ImportError
         python-can, or for ``.mf4`` asammdf, is not installed.
     """
@@ -100,7 +104,7 @@ def read_log(
     if suffix(name) == ".mf4" and dbc is None and signals:
         table, remarks = prepared(read_channels(name, signals, flip))
     else:
-        table, remarks = read_frames(name, reading(dbc, signals, flip, roll_compensated, vdc2))
+        table, remarks = read_frames(name, reading(dbc, signals, flip, roll_compensated, vdc2, bus))
     frame = pandas.DataFrame(table)
     frame.attrs = {"remarks": remarks}
     return frame
