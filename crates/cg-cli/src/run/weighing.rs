@@ -41,12 +41,12 @@ impl Weighing {
         known_us: None,
     };
 
-    /// Takes the mass of a sample, kg, and the one that is used instead. Returns whether it is a new one, and not one that is held.
-    pub(crate) fn weigh(&mut self, sample_us: u64, masses_kg: [f64; 2]) -> bool {
+    /// Takes the mass of a sample, kg, and the one that is used instead. The speed is NaN if it is not known. Returns whether it is a new one, and not one that is held.
+    pub(crate) fn weigh(&mut self, sample_us: u64, masses_kg: [f64; 2], speed_mps: f64) -> bool {
         let is_new = self.heard_us.is_none() || self.heard_us != self.known_us;
         if is_new {
             self.known_us = self.heard_us;
-            self.weighed.weigh(self.heard_us.unwrap_or(sample_us), masses_kg);
+            self.weighed.weigh(self.heard_us.unwrap_or(sample_us), masses_kg, speed_mps);
         }
         is_new
     }
@@ -160,7 +160,7 @@ mod tests {
             (MassSource::Signal, true),
         ] {
             let mut weighing = Weighing { sd_kg: Some(70.0), ..Weighing::EXACT };
-            weighing.weighed.weigh(1_000_000, [20e3; 2]);
+            weighing.weighed.weigh(1_000_000, [20e3; 2], 15.0);
             assert!(weighing.unload(31_000_000, source).is_none());
             assert_eq!(weighing.unload(31_000_001, source).is_some(), is_outdated);
             let sd_kg = weighing.sd_kg(source, 20e3, &design);

@@ -288,7 +288,8 @@ impl LogEstimator {
         let (last_us, of) = (*last_us, *of);
         let together = Together { last_us, mean: mean.sample(last_us), of };
         if let Some(masses_kg) = self.seen.to_weigh_kg.take() {
-            self.seen.weighed.weigh(last_us, masses_kg);
+            let speed_mps = if mean.has_speed() { together.mean.speed_mps } else { f64::NAN };
+            self.seen.weighed.weigh(last_us, masses_kg, speed_mps);
         }
         let step = self.engine.push_mean(&together); // not moved, because of the room for a maneuver in it
         let mut sample = together.mean;

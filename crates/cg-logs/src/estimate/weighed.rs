@@ -1,5 +1,6 @@
 //! Whether the trailer mass is that of the load on the trailer.
 
+use cg_core::decide::load::{STANDING_MPS, STOP_US};
 use serde::{Deserialize, Serialize};
 
 use super::known::is_other_load;
@@ -29,6 +30,16 @@ pub struct Weighed {
     squares: f64,
     /// When the mass became that of another load, µs, and what it was before, kg.
     before: Option<(u64, f64)>,
+    /// The present standstill, in which the truck may be loaded little by little.
+    standing: Option<Standstill>,
+}
+
+/// Since when a truck stands, µs, the mass before, kg, and what was known of its scatter.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+struct Standstill {
+    since_us: u64,
+    before_kg: f64,
+    known: [f64; 3],
 }
 
 impl Weighed {
@@ -43,6 +54,7 @@ impl Weighed {
         mean_kg: 0.0,
         squares: 0.0,
         before: None,
+        standing: None,
     };
 
     /// After a restart, with a kept mass that may be of another load.
@@ -50,8 +62,9 @@ impl Weighed {
         Self { of_another_load, ..Self::NEVER }
     }
 
-    /// Takes a mass by a signal, kg, the one that is [used](super::weighed_mass) instead, and its time, µs.
-    pub fn weigh(&mut self, time_us: u64, [mass_kg, used_kg]: [f64; 2]) {
+    /// Takes a mass by a signal, kg, the one that is [used](super::weighed_mass) instead, its time, µs, and the speed, NaN if it is not
+    /// known.
+    pub fn weigh(&mut self, time_us: u64, [mass_kg, used_kg]: [f64; 2], speed_mps: f64) {
         self.is_light = mass_kg < (1.0 - EMPTY_SHARE) * used_kg;
         #[allow(clippy::cast_precision_loss)] // 2^53 µs are 285 years
         let interval_s =
@@ -59,12 +72,19 @@ impl Weighed {
         self.first_us = self.first_us.or(Some(time_us));
         (self.last_us, self.of_another_load) = (Some(time_us), false);
         let is_near = !self.recent_kg.is_nan() && !is_other_load(mass_kg, self.recent_kg);
+        if speed_mps.abs() < STANDING_MPS {
+            let before_kg = if self.recent_kg.is_nan() { mass_kg } else { self.recent_kg };
+            let known = [self.seconds, self.mean_kg, self.squares];
+            self.standing =
+                self.standing.or(Some(Standstill { since_us: time_us, before_kg, known }));
+        } else if let Some(stop) = self.standing.take_if(|_| !speed_mps.is_nan()) {
+            self.drive_off(time_us, stop);
+        }
         if !is_near {
-            if !self.recent_kg.is_nan() {
-                self.before = Some((time_us, self.recent_kg));
-            }
-            (self.recent_kg, self.seconds, self.mean_kg, self.squares) =
-                (mass_kg, 0.0, mass_kg, 0.0);
+            let before = self
+                .standing
+                .map_or((time_us, self.recent_kg), |stop| (stop.since_us, stop.before_kg));
+            self.begin(before, mass_kg);
         }
         self.recent_kg += (mass_kg - self.recent_kg) * interval_s / (MEAN_S + interval_s);
         let interval_s = interval_s.min(MEAN_S);
@@ -76,6 +96,24 @@ impl Weighed {
         }
     }
 
+    /// The end of a standstill. What a scale shows while its trailer is loaded is no scatter.
+    fn drive_off(&mut self, time_us: u64, stop: Standstill) {
+        let Standstill { since_us, before_kg, known: [seconds, mean_kg, squares] } = stop;
+        if is_other_load(self.recent_kg, before_kg) {
+            self.begin((since_us, before_kg), self.recent_kg);
+        } else if time_us.saturating_sub(since_us) >= STOP_US && seconds > MEAN_S {
+            // A part of the load may be gone. The scatter remains that of driving.
+            let mean_kg = mean_kg + self.recent_kg - before_kg;
+            (self.seconds, self.mean_kg, self.squares) = (seconds, mean_kg, squares);
+        }
+    }
+
+    /// Another load, kg, with the time, µs, until which the mass was that before.
+    fn begin(&mut self, before: (u64, f64), mass_kg: f64) {
+        self.before = Some(before).filter(|(_, before_kg)| !before_kg.is_nan()).or(self.before);
+        (self.recent_kg, self.seconds, self.mean_kg, self.squares) = (mass_kg, 0.0, mass_kg, 0.0);
+    }
+
     /// When the first mass came, µs.
     pub fn since_us(&self) -> Option<u64> {
         self.first_us
@@ -83,7 +121,8 @@ impl Weighed {
 
     /// The mass at a time, µs, that of the present load or of the one before, kg.
     pub fn mass_at_kg(&self, time_us: u64) -> Option<f64> {
-        match self.before {
+        let standing = self.standing.map(|stop| (stop.since_us, stop.before_kg));
+        match standing.or(self.before) {
             _ if self.first_us.is_none_or(|first_us| time_us < first_us) => None,
             Some((since_us, before_kg)) if time_us < since_us => Some(before_kg),
             _ => Some(self.recent_kg),
@@ -138,14 +177,14 @@ mod tests {
     fn a_mass_counts_until_the_load_changes_without_a_new_one() {
         let mut weighed = Weighed::NEVER;
         assert!(!weighed.covers(1_000_000));
-        weighed.weigh(1_000_000, [20e3; 2]);
+        weighed.weigh(1_000_000, [20e3; 2], 15.0);
         let times_us = [999_999, 1_000_000, 121_000_000, 121_000_001];
         assert_eq!(times_us.map(|us| weighed.covers(us)), [false, true, true, false]);
         assert!(!weighed.change_load(31_000_000));
         assert!(!weighed.is_of_another_load());
         assert!(weighed.change_load(31_000_001));
         assert!(weighed.is_of_another_load() && !weighed.covers(1_000_001));
-        weighed.weigh(2_000_000, [20e3; 2]);
+        weighed.weigh(2_000_000, [20e3; 2], 15.0);
         assert!(weighed.covers(1_000_001));
         assert!(!weighed.is_of_another_load());
         // After a restart.
@@ -161,7 +200,7 @@ mod tests {
         let after = |mass_kg: fn(f64) -> f64, samples: u32| {
             let mut weighed = Weighed::NEVER;
             for k in 0..samples {
-                weighed.weigh(u64::from(k) * 100_000, [mass_kg(f64::from(k)); 2]);
+                weighed.weigh(u64::from(k) * 100_000, [mass_kg(f64::from(k)); 2], 15.0);
             }
             weighed
         };
@@ -174,5 +213,74 @@ mod tests {
         assert!(noisy.scatter_kg() < 0.1 * 600.0);
         assert!(after(|_| 20e3, 4000).scatter_kg() < 1e-6);
         assert!(after(|k| if k < 2000.0 { 20e3 } else { 30e3 }, 4000).scatter_kg() < 1e-6);
+    }
+
+    /// Pallets of 0.5 t every 20 s, and a hose that fills the trailer in ten minutes, change the mass by less than 5 % within 5 s. From
+    /// the beginning of a log on, and after a drive with another load.
+    #[test]
+    fn loading_little_by_little_is_no_scatter() {
+        let pallets = |s: f64| 12e3 + 500.0 * (s / 20.0).floor();
+        let hose = |s: f64| 12e3 + 20.0 * s;
+        for (loaded_kg, drive_s) in
+            [(pallets as fn(f64) -> f64, 0), (pallets, 120), (hose, 0), (hose, 120)]
+        {
+            let mut weighed = Weighed::NEVER;
+            let mut weigh =
+                |from_s: u32, duration_s: u32, speed_mps: f64, kg: &dyn Fn(f64) -> f64| {
+                    for k in 0..10 * duration_s {
+                        let time_us = u64::from(10 * from_s + k) * 100_000;
+                        // The speed comes in every third row.
+                        let speed_mps = if k % 3 == 0 { speed_mps } else { f64::NAN };
+                        weighed.weigh(time_us, [kg(f64::from(k) * 0.1); 2], speed_mps);
+                    }
+                    weighed
+                };
+            weigh(0, drive_s, 15.0, &|_| 12e3);
+            let loading = weigh(drive_s, 600, 0.0, &loaded_kg);
+            // Until it drives, the mass of the turns before is the one before.
+            if drive_s > 0 {
+                assert_eq!(loading.mass_at_kg(60_000_000), Some(12e3));
+            }
+            assert!(loading.scatter_kg() > 1e3);
+            let last_kg = loaded_kg(600.0 - 0.1);
+            weigh(drive_s + 600, 3600, 0.4, &|_| last_kg);
+            let driven = weigh(drive_s + 4200, 60, 3.0, &|_| last_kg);
+            assert!(driven.scatter_kg() < 1.0, "{}", driven.scatter_kg());
+            let seen_kg = driven.mass_at_kg(u64::MAX).unwrap();
+            assert!((seen_kg - last_kg).abs() < 1.0, "{seen_kg}");
+            if drive_s > 0 {
+                assert_eq!(driven.mass_at_kg(60_000_000), Some(12e3));
+            }
+        }
+    }
+
+    /// Drops of 4 % each at stops of two minutes, with a load between them and with the noise of a scale.
+    #[test]
+    fn small_drops_at_stops_are_no_scatter() {
+        let mut weighed = Weighed::NEVER;
+        for k in 0..36_000_u32 {
+            let (leg, in_leg) = (k / 6000, k % 6000); // ten minutes each
+            let drops = f64::from(leg) + f64::from(in_leg.saturating_sub(4800).min(600)) / 600.0;
+            let noise = if k % 2 == 0 { 100.0 } else { -100.0 };
+            let speed_mps = if in_leg < 4800 { 15.0 } else { 0.0 };
+            let mass_kg = 20e3 - 800.0 * drops + noise;
+            weighed.weigh(u64::from(k) * 100_000, [mass_kg; 2], speed_mps);
+        }
+        weighed.weigh(3_600_000_000, [15.2e3; 2], 15.0);
+        // The mean over 5 s leaves 1 % of the alternating noise.
+        assert!(weighed.scatter_kg() < 2.0, "{}", weighed.scatter_kg());
+    }
+
+    /// A stop without another load keeps what is known of the scale.
+    #[test]
+    fn a_stop_with_the_same_load_keeps_the_scatter() {
+        let mut weighed = Weighed::NEVER;
+        for k in 0..4000_u32 {
+            let wander = 600.0 * (f64::from(k) * std::f64::consts::TAU / 1000.0).sin();
+            let speed_mps = if (1500..2500).contains(&k) { 0.0 } else { 15.0 };
+            weighed.weigh(u64::from(k) * 100_000, [20e3 + wander; 2], speed_mps);
+        }
+        let exact = 600.0 / 2.0_f64.sqrt() / 0.314_f64.hypot(1.0);
+        assert!((weighed.scatter_kg() / exact - 1.0).abs() < 0.02, "{}", weighed.scatter_kg());
     }
 }

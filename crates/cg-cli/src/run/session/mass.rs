@@ -27,7 +27,7 @@ impl<W: Write> Session<W> {
             let signal_kg = sample.trailer_mass_kg;
             sample.trailer_mass_kg = weighed_mass(self.estimator.design(), signal_kg);
             let masses_kg = [signal_kg, sample.trailer_mass_kg];
-            is_new = self.weighing.weigh(sample.time_us, masses_kg);
+            is_new = self.weighing.weigh(sample.time_us, masses_kg, sample.speed_mps);
             self.weighed_kg.replace(sample.trailer_mass_kg).is_none()
         };
         self.unload(sample, is_first)?;

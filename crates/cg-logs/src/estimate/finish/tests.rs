@@ -308,7 +308,7 @@ fn a_mass_from_the_log_or_the_options_is_known() {
         let mut log = one(options, [ABSENT, ABSENT]);
         if seen {
             log.seen.mass_kg = Some(MASS_KG);
-            log.seen.weighed.weigh(0, [MASS_KG; 2]);
+            log.seen.weighed.weigh(0, [MASS_KG; 2], 15.0);
         }
         log.identified().trailer_mass_is_known
     };

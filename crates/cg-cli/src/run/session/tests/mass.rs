@@ -95,7 +95,7 @@ fn an_impossible_turn_with_an_old_mass_hides_the_height() {
         let mut session = restarted();
         session.mass_source = source;
         if let Some(age_s) = age_s {
-            session.weighing.weighed.weigh(0, [nominal_kg(); 2]);
+            session.weighing.weighed.weigh(0, [nominal_kg(); 2], 15.0);
             (one.start_us, one.end_us) = (age_s * SECOND_US, (age_s + 10) * SECOND_US);
         }
         for outcome in &mut one.outcomes {
@@ -137,7 +137,7 @@ fn a_mass_that_stays_the_same_with_another_load_is_told() {
         let mut session = restarted();
         session.mass_source = source;
         // A scale has weighed the trailer in this turn.
-        session.weighing.weighed.weigh(one.end_us, [nominal_kg(), nominal_kg()]);
+        session.weighing.weighed.weigh(one.end_us, [nominal_kg(); 2], 15.0);
         session.turn_kg = nominal_kg();
         one.trailer_mass_kg = times * nominal_kg();
         session.doubt_held_mass(&one).unwrap();
@@ -290,7 +290,7 @@ fn a_mass_that_came_once_hides_the_height_of_another_load() {
 fn a_light_mass_is_not_told_as_an_old_one() {
     let mut session = session(None, 0.0);
     session.mass_source = MassSource::Signal;
-    session.weighing.weighed.weigh(0, [6e3, 6.3e3]);
+    session.weighing.weighed.weigh(0, [6e3, 6.3e3], 15.0);
     let mut one = one_turn();
     for outcome in &mut one.outcomes {
         outcome.height_m = Err(Reject::Height(HeightError::OutOfRange { height_m: 6.6 }));
