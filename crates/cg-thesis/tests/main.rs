@@ -12,5 +12,6 @@ mod measured_springs;
 mod pages;
 mod reproduce;
 mod study;
+mod superelevation;
 mod truck;
 mod trucks;

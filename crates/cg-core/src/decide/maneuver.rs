@@ -77,7 +77,8 @@ impl<T: Real> fmt::Display for Reject<T> {
             Self::Inconsistent(Inconsistency::Misfit { share }) => write!(
                 f,
                 "inconsistent: the model leaves {:.0} % of the roll angle unexplained; check the \
-                 sensors' times, signs and units",
+                 sensors' times, signs and units (or, of a suspension, the bank of the road changed \
+                 along the truck)",
                 share.as_f64() * 100.0
             ),
             Self::Inconsistent(Inconsistency::Bent { .. }) => f.write_str(
