@@ -76,6 +76,8 @@ pub(crate) struct Session<W: Write> {
     other_mass_us: Option<u64>,
     /// The mass in the last turn, kg; NaN before the first one.
     pub(crate) turn_kg: f64,
+    /// What came or went since, kg.
+    part_kg: f64,
     /// The speed in the last turn with a height, m/s; NaN before the first one.
     height_mps: f64,
     /// The mass of a load whose height is not shown because the trailer has another mass, kg.
@@ -162,6 +164,7 @@ impl<W: Write> Session<W> {
             stop: SinceStop::default(),
             other_mass_us: None,
             turn_kg: f64::NAN,
+            part_kg: 0.0,
             height_mps: f64::NAN,
             hidden_kg: None,
             doubted: DoubtedMass::default(),
@@ -287,7 +290,7 @@ impl<W: Write> Session<W> {
             self.write_event(&Event::LoadChanged { message })?;
             self.doubt_held_mass(maneuver)?;
         }
-        self.turn_kg = maneuver.trailer_mass_kg;
+        (self.turn_kg, self.part_kg) = (maneuver.trailer_mass_kg, 0.0);
         if maneuver.outcomes.iter().any(|outcome| outcome.height_m.is_ok()) {
             self.height_mps = maneuver.speed_mps;
         }

@@ -11,6 +11,9 @@ use crate::can::MASS_SERVES_US;
 /// scales on a bus send every ten seconds.
 const NO_STOP_US: u64 = 30_000_000;
 
+/// Least share of the mass of the last turn that a part of the load is: less moves a c.g. by millimeters.
+const LEAST_PART: f64 = 0.01;
+
 /// Time constant of the mean of masses, s. Noise averages out in a turn; what is left differs from turn to turn.
 const MEAN_S: f64 = 5.0;
 
@@ -132,6 +135,14 @@ impl Weighed {
     /// Standard deviation of the mass of this load from one time to another, kg: a scale that wanders is not more exact.
     pub fn scatter_kg(&self) -> f64 {
         if self.seconds > MEAN_S { (self.squares / self.seconds).sqrt() } else { 0.0 }
+    }
+
+    /// By how much the mass is another one than `turn_kg`, that of the last turn, kg: a part of the load came or went. What the scale
+    /// may do by itself does not count.
+    pub fn part_kg(&self, turn_kg: f64) -> f64 {
+        let change_kg = (self.recent_kg - turn_kg).abs();
+        let is_clear = change_kg > LEAST_PART * turn_kg + 2.0 * self.scatter_kg();
+        if is_clear { change_kg } else { 0.0 }
     }
 
     /// Whether the mass of a maneuver from `start_us` on, µs, is that of its load: a signal gave it before, and not long

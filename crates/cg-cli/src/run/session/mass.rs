@@ -9,6 +9,9 @@ use super::Session;
 use crate::run::doubted::DoubtedMass;
 use crate::run::events::MassSource;
 
+/// A part of the load that changes by this share of the mass counts anew.
+const PART_STEP: f64 = 0.005;
+
 impl<W: Write> Session<W> {
     /// Sets the mass of the sample, and reports its source.
     pub(super) fn weigh(&mut self, sample: &mut Sample<f64>) -> io::Result<()> {
@@ -31,6 +34,9 @@ impl<W: Write> Session<W> {
             self.weighed_kg.replace(sample.trailer_mass_kg).is_none()
         };
         self.unload(sample, is_first)?;
+        if is_new {
+            self.unload_part();
+        }
         if is_new && self.doubted.was_old {
             self.doubted = DoubtedMass::default();
         }
@@ -45,6 +51,22 @@ impl<W: Write> Session<W> {
             }
         }
         Ok(())
+    }
+
+    /// Makes the interval wider by a part of the load that came or went since the last turn, and that is too small to hide the height.
+    fn unload_part(&mut self) {
+        let part_kg = self.weighing.weighed.part_kg(self.turn_kg);
+        if (part_kg - self.part_kg).abs() > PART_STEP * self.turn_kg {
+            self.part_kg = part_kg;
+            self.update(self.known.trailer_mass_kg);
+        }
+    }
+
+    /// Standard deviation of the height, m, because of that part, whose c.g. may be anywhere in the range of heights.
+    pub(super) fn part_sd_m(&self) -> f64 {
+        let design = self.estimator.design();
+        let range_m = design.greatest_height_m - design.least_height_m;
+        self.part_kg / self.known.trailer_mass_kg * range_m / 12.0_f64.sqrt()
     }
 
     /// Says that the mass is that of the load before a turn with another load.

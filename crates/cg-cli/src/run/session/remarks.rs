@@ -137,7 +137,7 @@ impl<W: Write> Session<W> {
         self.estimator.best_channel().map_or_else(Strength::default, of_channel)
     }
 
-    /// Standard deviation of the height, m, due to that of the trailer mass, to strong turns, to a load beside the middle, to
+    /// Standard deviation of the height, m, due to that of the trailer mass, to a part of the load, to strong turns, to a load beside the middle, to
     /// maneuvers that were left out, to the gains of inclinometers, to the noise of a roll rate and to a side wind, which the
     /// estimator does not know.
     pub(super) fn host_sd_m(&self) -> f64 {
@@ -158,7 +158,7 @@ impl<W: Write> Session<W> {
             libm::hypot(by_tilts_m, self.rated.height_sd_m(design, height, turn))
         });
         let by_wind_m = self.by_wind(speed_mps).within();
-        [by_turns * height_m, left_out_m, by_sensors_m, by_wind_m]
+        [by_turns * height_m, left_out_m, by_sensors_m, by_wind_m, self.part_sd_m()]
             .into_iter()
             .fold(by_mass_m, libm::hypot)
     }

@@ -298,3 +298,33 @@ fn a_light_mass_is_not_told_as_an_old_one() {
     session.maneuver(&one).unwrap();
     assert!(!names(&mut session).contains(&"load".to_owned()));
 }
+
+/// What came off may have stood anywhere in the range of heights. The next turn shows the height of the rest; what a scale may do by
+/// itself does not count.
+#[test]
+fn a_part_of_the_load_that_is_gone_makes_the_interval_wider() {
+    for (share, is_part) in [(1.005, false), (0.96, true), (1.03, true)] {
+        let weighed_after = |turn_kg: f64| {
+            let mut session = restarted();
+            session.mass_source = MassSource::Signal;
+            session.turn_kg = turn_kg;
+            session.update(nominal_kg());
+            for s in 0..60 {
+                weighed(&mut session, s * SECOND_US, share * nominal_kg());
+            }
+            session
+        };
+        let sd_m = |session: &Trial| session.known.height_sd_m.unwrap();
+        let before_m = sd_m(&weighed_after(share * nominal_kg()));
+        let mut session = weighed_after(nominal_kg());
+        let range_m = design().greatest_height_m - design().least_height_m;
+        let part_m = (share - 1.0_f64).abs() * range_m / 12.0_f64.sqrt();
+        let expected_m = before_m.hypot(if is_part { part_m } else { 0.0 });
+        assert!((sd_m(&session) / expected_m - 1.0).abs() < 1e-9, "{share}: {expected_m}");
+        let mut one = one_turn();
+        one.trailer_mass_kg = share * nominal_kg();
+        session.maneuver(&one).unwrap();
+        weighed(&mut session, 60 * SECOND_US, share * nominal_kg());
+        assert!(session.part_sd_m().abs() < 1e-9, "{share}");
+    }
+}
