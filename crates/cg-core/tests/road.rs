@@ -69,11 +69,14 @@ fn check(outcome: &Outcome<f64>, bank: f64) {
     check_road(outcome, bank, [bank / 2.0_f64.sqrt(); 2]);
 }
 
-/// What road twist of 0.4 mrad does to the ratio of a suspension.
-fn twist_share(outcome: &Outcome<f64>) -> f64 {
+/// Road twist of the trailer's and of the tractor's suspension on public roads.
+const TWIST_RAD: [f64; 2] = [0.0004, 0.0008];
+
+/// What road twist does to the ratio of a suspension.
+fn twist_share(outcome: &Outcome<f64>, twist_rad: f64) -> f64 {
     let lateral_mps2 = ROLL_RAD / (roll_per_mps2() * 1.489_6);
     let force_mps2 = lateral_mps2 * (1.0 + 9.81 * roll_per_mps2());
-    0.0004 / (outcome.fit.unwrap().ratio.value * force_mps2)
+    twist_rad / (outcome.fit.unwrap().ratio.value * force_mps2)
 }
 
 /// The parts of the road that all curves have in common, and the rest.
@@ -120,9 +123,8 @@ fn a_channel_that_does_not_feel_the_bank_shows_that_there_is_a_road() {
         turn(truck(Channel::ALL, Settings::truck())).outcomes;
     check(&steer, bank_share(false));
     check(&lateral, bank_share(false));
-    let half = |outcome: &Outcome<f64>| twist_share(outcome) / 2.0_f64.sqrt();
-    for outcome in [suspension, tractor] {
-        check_road(&outcome, 0.0, [half(&outcome); 2]);
+    for (outcome, twist_rad) in [suspension, tractor].iter().zip(TWIST_RAD) {
+        check_road(outcome, 0.0, [twist_share(outcome, twist_rad) / 2.0_f64.sqrt(); 2]);
     }
     // The same truck whose other sensors do not send.
     let mut silent = truck(Channel::ALL, Settings::truck());
@@ -199,8 +201,9 @@ fn channels_that_feel_the_bank_have_it_in_common() {
     let maneuver = turn(truck(Channel::ALL, Settings::truck()));
     let [.., suspension, tractor] = &maneuver.outcomes;
     // Twist is of one channel.
-    let twisted = |outcome| model + twist_share(outcome).powi(2) / 2.0;
-    let of = [both, both, twisted(suspension), twisted(tractor)];
+    let twisted = |outcome, twist_rad| model + twist_share(outcome, twist_rad).powi(2) / 2.0;
+    let [trailer_rad, tractor_rad] = TWIST_RAD;
+    let of = [both, both, twisted(suspension, trailer_rad), twisted(tractor, tractor_rad)];
     let expected: [[f64; 4]; 4] = from_fn(|i| {
         from_fn(|j| match (i, j) {
             _ if i == j => 1.0,

@@ -11,6 +11,9 @@ use super::pair::Pair;
 const LEAST_SHARE: f64 = 0.1;
 /// Least standard deviation of the difference, m: beside it, steps of a millimeter are no motion.
 const MOVES_M: f64 = 1e-3;
+/// The same beside which a level that shows one value all the time has frozen: steps of 5 mm, between two of which the other one
+/// flickers, have up to 2.5 mm.
+const MOVES_FAR_M: f64 = 3e-3;
 /// Greatest distance of the mean share from a half. It is up to 0.011 in the drives of a multibody truck (braking in
 /// curves, twisting frames) and 0.003 in those of the plant. A sensor with the gain `k` has `k/(1 + k)`, so that one of 0.85
 /// is found, which makes a height 8 % too small. The statement needs three maneuvers, and three standard errors.
@@ -27,6 +30,16 @@ struct Sides {
     rows: f64,
     /// The difference of left and right level, and the left one, m.
     levels_m: Pair,
+    /// The left and the right level at first, and whether they have changed.
+    first_m: [f64; 2],
+    changed: [bool; 2],
+}
+
+/// The share of the left one in a maneuver, and whether one of them had frozen.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+struct Turn {
+    share: f64,
+    is_frozen: bool,
 }
 
 impl Sides {
@@ -34,14 +47,24 @@ impl Sides {
         let difference_m = left_m - right_m;
         if difference_m.is_finite() {
             self.rows += 1.0;
+            let levels_m = [left_m, right_m];
+            if self.rows < 2.0 {
+                self.first_m = levels_m;
+            }
+            for side in 0..2 {
+                self.changed[side] |= levels_m[side].to_bits() != self.first_m[side].to_bits();
+            }
             self.levels_m.push(self.rows, [difference_m, left_m]);
         }
     }
 
-    /// The share of the left one, if both move enough.
-    fn share(&self) -> Option<f64> {
-        let moves = self.levels_m.square() > MOVES_M * MOVES_M * self.rows;
-        (self.rows >= LEAST_ROWS && moves).then(|| self.levels_m.slope())
+    /// What the maneuver says, if they move enough.
+    fn turn(&self) -> Option<Turn> {
+        let moves = |least_m: f64| self.levels_m.square() > least_m * least_m * self.rows;
+        (self.rows >= LEAST_ROWS && moves(MOVES_M)).then(|| Turn {
+            share: self.levels_m.slope(),
+            is_frozen: moves(MOVES_FAR_M) && !(self.changed[0] && self.changed[1]),
+        })
     }
 }
 
@@ -52,29 +75,32 @@ struct Levels {
     maneuvers: u32,
     /// Maneuvers in which the left and the right one stood still.
     still: [u32; 2],
+    /// Those in which one had frozen.
+    frozen: u32,
     /// Maneuvers with a share of the left one, its mean, and the sum of the squares of the deviations.
     shares: f64,
     mean: f64,
     squares: f64,
-    /// The last shares.
-    recent: [Option<f64>; RECENT],
+    /// The last turns.
+    recent: [Option<Turn>; RECENT],
 }
 
 impl Levels {
     fn close(&mut self) {
         if self.sides.rows >= LEAST_ROWS {
             self.maneuvers += 1;
-            if let Some(share) = self.sides.share() {
-                self.count(share);
+            if let Some(turn) = self.sides.turn() {
+                self.count(turn);
                 self.recent.rotate_right(1);
-                self.recent[0] = Some(share);
+                self.recent[0] = Some(turn);
             }
         }
         self.sides = Sides::default();
     }
 
-    /// Counts the share of the left one in a maneuver.
-    fn count(&mut self, share: f64) {
+    /// Counts a maneuver.
+    fn count(&mut self, Turn { share, is_frozen }: Turn) {
+        self.frozen += u32::from(is_frozen);
         if share < LEAST_SHARE {
             self.still[0] += 1;
         } else if share > 1.0 - LEAST_SHARE {
@@ -97,9 +123,10 @@ impl Levels {
     /// The last maneuvers alone.
     fn recently(&self) -> Self {
         let mut recent = Self::default();
-        for share in self.recent.into_iter().flatten() {
+        for (age, turn) in self.recent.into_iter().flatten().enumerate() {
             recent.maneuvers += 1;
-            recent.count(share);
+            // A sensor that has worked in two maneuvers is believed again.
+            recent.count(Turn { is_frozen: turn.is_frozen && age < 2, ..turn });
         }
         recent
     }
@@ -119,14 +146,15 @@ impl Levels {
         ))
     }
 
-    /// That one of them stands still. A single one of several maneuvers may be chance.
+    /// That one of them stands still. A single one of several maneuvers may be chance, unless not a single value differs.
     fn dead(&self, unit: &str) -> Option<String> {
         let (side, turns) = if self.still[0] > self.still[1] {
             ("left", self.still[0])
         } else {
             ("right", self.still[1])
         };
-        (turns >= self.maneuvers.clamp(1, 2)).then(|| {
+        let least = if self.frozen > 0 { 1 } else { self.maneuvers.clamp(1, 2) };
+        (turns >= least).then(|| {
             format!(
                 "in {turns} of {} maneuvers the {side} level of the {unit} stood still while the other one \
                  moved: that sensor, its linkage or its signal is dead",
@@ -245,6 +273,25 @@ mod tests {
             "{message}"
         );
         assert!(told(1, 5e-4).unwrap().starts_with("in 2 of 3"));
-        assert_eq!(told(2, 0.0), None, "a single one of several");
+        assert_eq!(told(2, 5e-4), None, "a single one of several");
+        assert!(told(2, 0.0).unwrap().starts_with("in 1 of 3"), "without any noise");
+        // In the last one, the right level flickers between steps of 5 mm, or moves by two of them.
+        for (step_m, is_told) in [(0.005, false), (0.010, true)] {
+            let mut check = LevelCheck::default();
+            for maneuver in 0..4 {
+                for k in 0..100_u32 {
+                    let roll_m = 0.005 * (f64::from(k) * std::f64::consts::TAU / 100.0).sin();
+                    let last_m = [0.0, if k % 2 == 0 { step_m } else { 0.0 }];
+                    let levels_m = if maneuver < 3 { [roll_m, -roll_m] } else { last_m };
+                    check.push(|quantity| match quantity {
+                        Quantity::LevelLeft => levels_m[0],
+                        Quantity::LevelRight => levels_m[1],
+                        _ => f64::NAN,
+                    });
+                }
+                check.close();
+            }
+            assert_eq!(check.contradiction(false).is_some(), is_told, "{step_m}");
+        }
     }
 }
