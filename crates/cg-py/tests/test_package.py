@@ -302,9 +302,9 @@ def test_every_option_that_a_message_names_is_a_keyword():
                 keywords |= set(inspect.signature(thing).parameters)
             if thing is cgheight.Plant:
                 keywords |= set(inspect.signature(thing.step).parameters)
-    # `bus` and `source_of` exist on the command line only: python-can opens one bus at a time.
+    # `source_of` exists on the command line only.
     # Messages name roads as `Vehicle.on_road`; the keyword `road` is that of `Scenario`.
     # So does the position of lift axles, `Vehicle.with_lift_axle`; `lift_axle` is that of results.
-    assert named - keywords == {"bus", "source_of"}
+    assert named - keywords == {"source_of"}
     assert callable(cgheight.Vehicle.on_road)
     assert callable(cgheight.Vehicle.with_lift_axle)
