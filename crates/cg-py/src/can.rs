@@ -2,7 +2,7 @@
 
 use std::sync::{Mutex, PoisonError};
 
-use cg_logs::can::Frame;
+use cg_logs::can::{CandumpFault, Frame};
 use cg_logs::estimate::LogEstimator;
 use cg_logs::log::{FrameRows, LogRow};
 use pyo3::prelude::*;
@@ -33,6 +33,20 @@ fn frame(place: (f64, u8), identifier: u32, extended: bool, data: &[u8]) -> PyRe
         .ok_or_else(|| value_error(format!("a frame has {} bytes: the limit is 64", data.len())))?;
     frame.bus = bus;
     Ok(frame)
+}
+
+/// Refuse a bus that the log of this name does not have; return the remark on several buses of which all are used.
+#[pyfunction]
+#[pyo3(signature = (name, only, buses, /))]
+pub(crate) fn several_buses(
+    name: &str,
+    only: Option<String>,
+    buses: Vec<String>,
+) -> PyResult<Option<String>> {
+    CandumpFault::check_bus(only.as_ref(), &buses)
+        .map_err(|fault| value_error(in_python(&format!("{name}: {fault}"))))?;
+    let all = only.is_none() && buses.len() > 1;
+    Ok(all.then(|| in_python(&CandumpFault::several_buses(&buses))))
 }
 
 /// Converts frames to the rows of a log, independently of the file format.

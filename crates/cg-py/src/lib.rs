@@ -15,7 +15,7 @@
 //! | `plant` | `Plant`: the nonlinear plant, step by step; `restore_plant` |
 //! | `write` | `write_file`, `copy_file`, `may_write`: writing of log files |
 //! | `report` | `trace_arrays`, `write_report`, `may_write_report`: the report of many logs |
-//! | `can` | `FrameTable`, `FrameStream`: rows and estimates from CAN frames |
+//! | `can` | `FrameTable`, `FrameStream`, `several_buses`: rows and estimates from CAN frames |
 //! | `reproduce` | `reproduce_tables`: the tables of the thesis, recomputed |
 //! | `results` | results as the dataclasses of `cgheight._results` |
 //! | `arx`, `linear` | `fit_arx`, `linear_model` |
@@ -60,7 +60,7 @@ mod _native {
     #[pymodule_export]
     use crate::calibrate::calibrate_files;
     #[pymodule_export]
-    use crate::can::{FrameStream, FrameTable};
+    use crate::can::{FrameStream, FrameTable, several_buses};
     #[pymodule_export]
     use crate::linear::linear_model;
     #[pymodule_export]

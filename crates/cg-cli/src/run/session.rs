@@ -76,10 +76,11 @@ pub(crate) struct Session<W: Write> {
     other_mass_us: Option<u64>,
     /// The mass in the last turn, kg; NaN before the first one.
     pub(crate) turn_kg: f64,
+    /// The speed in the last turn with a height, m/s, and the mass, kg; NaN before the first one.
+    height_mps: f64,
+    height_kg: f64,
     /// What came or went since, kg.
     part_kg: f64,
-    /// The speed in the last turn with a height, m/s; NaN before the first one.
-    height_mps: f64,
     /// The mass of a load whose height is not shown because the trailer has another mass, kg.
     hidden_kg: Option<f64>,
     doubted: DoubtedMass,
@@ -164,8 +165,9 @@ impl<W: Write> Session<W> {
             stop: SinceStop::default(),
             other_mass_us: None,
             turn_kg: f64::NAN,
-            part_kg: 0.0,
             height_mps: f64::NAN,
+            height_kg: f64::NAN,
+            part_kg: 0.0,
             hidden_kg: None,
             doubted: DoubtedMass::default(),
             weighed_kg: None,
@@ -290,9 +292,10 @@ impl<W: Write> Session<W> {
             self.write_event(&Event::LoadChanged { message })?;
             self.doubt_held_mass(maneuver)?;
         }
-        (self.turn_kg, self.part_kg) = (maneuver.trailer_mass_kg, 0.0);
+        self.turn_kg = maneuver.trailer_mass_kg;
         if maneuver.outcomes.iter().any(|outcome| outcome.height_m.is_ok()) {
-            self.height_mps = maneuver.speed_mps;
+            (self.height_mps, self.height_kg) = (maneuver.speed_mps, maneuver.trailer_mass_kg);
+            self.part_kg = 0.0;
         }
         self.roads.push(maneuver);
         self.doubt_mass(maneuver)?;

@@ -41,7 +41,8 @@ impl Weighing {
         known_us: None,
     };
 
-    /// Takes the mass of a sample, kg, and the one that is used instead. The speed is NaN if it is not known. Returns whether it is a new one, and not one that is held.
+    /// Takes the mass of a sample, kg, and the one that is used instead. The speed is NaN if it is not known. Returns whether the
+    /// mass is a new one, and not one that is held.
     pub(crate) fn weigh(&mut self, sample_us: u64, masses_kg: [f64; 2], speed_mps: f64) -> bool {
         let is_new = self.heard_us.is_none() || self.heard_us != self.known_us;
         if is_new {

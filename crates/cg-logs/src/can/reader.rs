@@ -67,7 +67,10 @@ impl CandumpFault {
     }
 
     /// Refuses a bus that is not in the log.
-    pub(super) fn check_bus(only: Option<&String>, buses: &[String]) -> Result<(), Self> {
+    ///
+    /// # Errors
+    /// [`NoBus`](Self::NoBus).
+    pub fn check_bus(only: Option<&String>, buses: &[String]) -> Result<(), Self> {
         match only {
             Some(wanted) if !buses.contains(wanted) => {
                 let found = if buses.is_empty() { "none".to_owned() } else { buses.join(", ") };
@@ -78,7 +81,7 @@ impl CandumpFault {
     }
 
     /// The remark for a log of several buses of which all are used.
-    pub(super) fn several_buses(buses: &[String]) -> String {
+    pub fn several_buses(buses: &[String]) -> String {
         format!(
             "the log has frames of the buses {}; each signal is taken from the bus on which it appears \
              first; ⟨bus NAME⟩ selects one bus",

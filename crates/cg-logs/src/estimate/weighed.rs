@@ -137,7 +137,7 @@ impl Weighed {
         if self.seconds > MEAN_S { (self.squares / self.seconds).sqrt() } else { 0.0 }
     }
 
-    /// By how much the mass is another one than `turn_kg`, that of the last turn, kg: a part of the load came or went. What the scale
+    /// By how much the mass is another one than `turn_kg`, that of a turn, kg: a part of the load came or went. What the scale
     /// may do by itself does not count.
     pub fn part_kg(&self, turn_kg: f64) -> f64 {
         let change_kg = (self.recent_kg - turn_kg).abs();

@@ -123,22 +123,6 @@ def _refuse_cut(name: str, reader: Any) -> None:
         )
 
 
-def _buses(name: str, only: str | None, found: list[str]) -> list[str]:
-    """Refuse a bus that is not in a file; return the remark on several of which all are used."""
-    names = ", ".join(found) or "none"
-    if only is not None and only not in found:
-        raise ValueError(
-            f"{name}: no frame of the bus `{only}`; the buses in the log are {names}; give one of "
-            "them with bus"
-        )
-    if only is not None or len(found) < 2:
-        return []
-    return [
-        f"the log has frames of the buses {names}; each signal is taken from the bus on which it "
-        'appears first; bus="NAME" selects one bus'
-    ]
-
-
 def _refuse_empty(name: str, rows: int, frames: int, remarks: list[str]) -> None:
     if rows == 0:
         doubts = "".join(f"; {remark}" for remark in remarks)
@@ -159,7 +143,8 @@ def read_frames(
     for frame in _frames(name, understood["bus"], buses):
         table.push(*frame)
     signals, remarks = table.finish(), table.remarks()
-    remarks += _buses(name, understood["bus"], [str(bus) for bus in buses])
+    several = _native.several_buses(name, understood["bus"], [str(bus) for bus in buses])
+    remarks += [several] if several else []
     _refuse_empty(name, len(signals), table.frames[0], remarks)
     return signals, remarks
 

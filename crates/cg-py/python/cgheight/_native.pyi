@@ -41,6 +41,7 @@ __all__ = [
     "restore_vehicle",
     "rollover_measures",
     "score_accuracy",
+    "several_buses",
     "signals",
     "simulate_log",
     "trace_arrays",
@@ -310,6 +311,9 @@ def read_frames(
     path: str | os.PathLike[str], reading: dict[str, Any], /
 ) -> tuple[dict[str, NDArray[np.float64]], list[str]]:
     """Read a candump log: a dict of SI column names to arrays, and the remarks about it."""
+
+def several_buses(name: str, only: str | None, buses: list[str], /) -> str | None:
+    """Refuse a bus that a log does not have; return the remark on several of which all are used."""
 
 def signals() -> dict[str, str]:
     """Return the signals of logs: a dict of SI column names to their meanings."""

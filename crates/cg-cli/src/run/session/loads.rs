@@ -43,6 +43,7 @@ impl<W: Write> Session<W> {
                     self.mass_source = MassSource::Kept;
                 }
                 self.turn_kg = memory.load_mass_kg.unwrap_or(memory.trailer_mass_kg);
+                self.height_kg = self.turn_kg;
                 self.update(self.turn_kg);
                 self.unheard = Unheard::kept(self.has_height());
                 Ok(true)

@@ -53,10 +53,11 @@ impl<W: Write> Session<W> {
         Ok(())
     }
 
-    /// Makes the interval wider by a part of the load that came or went since the last turn, and that is too small to hide the height.
+    /// Makes the interval wider by a part of the load that came or went since the last turn with a height, and that is too small to
+    /// hide it.
     fn unload_part(&mut self) {
-        let part_kg = self.weighing.weighed.part_kg(self.turn_kg);
-        if (part_kg - self.part_kg).abs() > PART_STEP * self.turn_kg {
+        let part_kg = self.weighing.weighed.part_kg(self.height_kg);
+        if (part_kg - self.part_kg).abs() > PART_STEP * self.height_kg {
             self.part_kg = part_kg;
             self.update(self.known.trailer_mass_kg);
         }

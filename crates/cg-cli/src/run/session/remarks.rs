@@ -137,9 +137,9 @@ impl<W: Write> Session<W> {
         self.estimator.best_channel().map_or_else(Strength::default, of_channel)
     }
 
-    /// Standard deviation of the height, m, due to that of the trailer mass, to a part of the load, to strong turns, to a load beside the middle, to
-    /// maneuvers that were left out, to the gains of inclinometers, to the noise of a roll rate and to a side wind, which the
-    /// estimator does not know.
+    /// Standard deviation of the height, m, due to that of the trailer mass, to a part of the load that came or went, to strong
+    /// turns, to a load beside the middle, to maneuvers that were left out, to the gains of inclinometers, to the noise of a roll
+    /// rate and to a side wind, which the estimator does not know.
     pub(super) fn host_sd_m(&self) -> f64 {
         let known = &self.known;
         let Some(height_m) = known.height_m else { return 0.0 };
