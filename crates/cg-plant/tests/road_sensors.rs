@@ -100,7 +100,8 @@ fn error(
         channel: Some(pair),
         trailer_mass_kg: Some(mass_kg),
         ..EstimateOptions::default()
-    };
+    }
+    .with_file(truck);
     let mut estimator = LogEstimator::from_design(design, truck.align_settings(), options);
     for row in rows {
         estimator.push(row).unwrap();

@@ -19,6 +19,7 @@ use cg_logs::estimate::{
     SinceStop, StrongTurns, Tilts, Unheard, Verdict, Windward, add_force,
 };
 use cg_logs::log::Signal;
+use cg_vehicle::twist_correction::TwistCorrection;
 
 use crate::flags;
 
@@ -104,6 +105,7 @@ pub(crate) struct Session<W: Write> {
     pub(crate) rated: Rated,
     /// What a side wind makes of the ratios.
     pub(crate) windward: Windward,
+    pub(crate) twist: TwistCorrection,
     samples: u64,
     pub(crate) counters: Counters,
     /// Time stamp minus stream time, s.
@@ -182,6 +184,7 @@ impl<W: Write> Session<W> {
             tilts: Tilts::default(),
             rated: Rated::default(),
             windward: Windward::default(),
+            twist: TwistCorrection::default(),
             samples: 0,
             counters: Counters::default(),
             offset_s: 0.0,
@@ -236,7 +239,11 @@ impl<W: Write> Session<W> {
     pub(crate) fn push(&mut self, mut sample: Sample<f64>) -> io::Result<()> {
         self.samples += 1;
         self.sampled_us = sample.time_us;
-        add_force(&mut sample, self.estimator.design().gravity_mps2);
+        let gravity_mps2 = self.estimator.design().gravity_mps2;
+        add_force(&mut sample, gravity_mps2);
+        if let Some(of) = self.options.twist_of_road() {
+            self.twist.correct(&mut sample, of, gravity_mps2);
+        }
         if self.missing.contains(&Signal::Speed.name()) {
             sample.steer_rad = f64::NAN; // means nothing without a speed
         }

@@ -65,6 +65,7 @@ mod state;
 mod stopping;
 mod streams;
 mod study;
+mod twist;
 mod usage;
 mod vehicles;
 mod wind;

@@ -177,6 +177,11 @@ impl Decoder {
         self.mapped.iter().filter_map(|signal| signal.measures.quantity())
     }
 
+    /// Whether a yaw rate is that of VDC2, which is the tractor's.
+    pub fn has_tractor_yaw(&self) -> bool {
+        !self.is_replaced(Quantity::YawRate)
+    }
+
     /// The rule for slope sensors.
     pub fn compensation(&self) -> Compensation {
         self.compensation

@@ -24,12 +24,12 @@ use super::since_stop::SinceStop;
 use super::strong::StrongTurns;
 use super::unheard::Unheard;
 use super::windward::Windward;
-use crate::log::{LogRow, Signal};
+use crate::log::{LogRow, OnBus, Signal};
 use cg_vehicle::Vehicle;
 use cg_vehicle::belief::Belief;
 use cg_vehicle::error::VehicleError;
 use cg_vehicle::lift::LiftAxle;
-use cg_vehicle::scales::Scale;
+use cg_vehicle::twist_correction::TwistCorrection;
 
 /// The DC ratios identified from a log.
 #[derive(Clone, Debug, PartialEq)]
@@ -100,6 +100,7 @@ pub struct LogEstimator {
     pub(super) strong: StrongTurns,
     pub(super) rated: Rated,
     pub(super) windward: Windward,
+    twist: TwistCorrection,
     pub(super) left_out: LeftOut,
     pub(super) unheard: Unheard,
     pub(super) stop: SinceStop,
@@ -174,6 +175,7 @@ impl LogEstimator {
             strong: StrongTurns::default(),
             rated: Rated::default(),
             windward: Windward::default(),
+            twist: TwistCorrection::default(),
             left_out: LeftOut::default(),
             unheard: Unheard::default(),
             stop: SinceStop::default(),
@@ -225,12 +227,15 @@ impl LogEstimator {
     /// µs).
     pub fn push(&mut self, row: &LogRow) -> Result<Status, SampleError> {
         self.follow(row);
-        let sample = self.sample(row);
+        let mut sample = self.sample(row);
         let time_us = sample.time_us;
         if let Some(previous_us) = self.previous_us.filter(|previous_us| time_us <= *previous_us) {
             return Err(SampleError::TimeOrder { previous_us, time_us });
         }
         self.previous_us = Some(time_us);
+        if let Some(of) = self.options.twist_of_road() {
+            self.twist.correct(&mut sample, of, self.design.gravity_mps2);
+        }
         self.rows += 1;
         self.rolls.push(row);
         self.rated.push(row);
@@ -317,10 +322,10 @@ impl LogEstimator {
         self.keep(last.as_ref());
     }
 
-    /// Sets the scale on the bus from which the mass of the next rows follows; `None` if the rows are not
-    /// from frames, or have the value of the scale itself.
-    pub fn weighed_by(&mut self, scale: Option<Scale>) {
-        self.seen.bus_scale = scale;
+    /// Sets what the bus says of the next rows.
+    pub fn heard(&mut self, on_bus: OnBus) {
+        self.seen.bus_scale = on_bus.scale;
+        self.twist.has_tractor_yaw = on_bus.has_tractor_yaw;
     }
 
     /// The time of the log, s, of microseconds since its first row.

@@ -35,6 +35,15 @@ const SAMPLED: [Signal; 16] = [
     Signal::TrailerMass,
 ];
 
+/// What the bus says of the values of a row, which the row has not.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct OnBus {
+    /// The scale from which the trailer mass follows; `None` if the row is not from frames, or has the value of the scale itself.
+    pub scale: Option<Scale>,
+    /// Whether the yaw rate is that of the tractor, as in VDC2.
+    pub has_tractor_yaw: bool,
+}
+
 /// Converts CAN frames to rows of a log: one row for each sample, as in `cg run`.
 #[derive(Clone, Debug)]
 pub struct FrameRows {
@@ -176,9 +185,10 @@ impl FrameRows {
         }
     }
 
-    /// The scale on the bus from which the trailer mass in the last row follows.
-    pub fn scale(&self) -> Option<Scale> {
-        self.scale
+    /// What the bus says of the last row.
+    pub fn on_bus(&self) -> OnBus {
+        let has_tractor_yaw = self.hears_bus && self.sampler.decoder().has_tractor_yaw();
+        OnBus { scale: self.scale, has_tractor_yaw }
     }
 
     /// The signals that rows can contain.
@@ -249,8 +259,8 @@ impl Frames {
         self.rows.signals()
     }
 
-    pub(super) fn scale(&self) -> Option<Scale> {
-        self.rows.scale()
+    pub(super) fn on_bus(&self) -> OnBus {
+        self.rows.on_bus()
     }
 
     pub(super) fn position(&self) -> Position {

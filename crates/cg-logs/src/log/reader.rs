@@ -10,10 +10,9 @@ use super::batches::Batches;
 use super::beginning::Beginning;
 use super::columns::Column;
 use cg_core::Quantity;
-use cg_vehicle::scales::Scale;
 
 use super::error::{ColumnName, LogError, Place, Position};
-use super::frames::{Frames, is_asc, is_candump};
+use super::frames::{Frames, OnBus, is_asc, is_candump};
 use super::options::LogOptions;
 use super::plausibility::Plausibility;
 use super::preparation::Preparation;
@@ -189,11 +188,11 @@ impl LogReader {
         matches!(self.body, Body::Can(_))
     }
 
-    /// The scale on the bus from which the trailer mass in the last row follows, in a log of frames.
-    pub fn scale(&self) -> Option<Scale> {
+    /// What the bus says of the last row, in a log of frames.
+    pub fn on_bus(&self) -> OnBus {
         match &self.body {
-            Body::Can(frames) => frames.scale(),
-            Body::Text(_) | Body::Parquet(_) => None,
+            Body::Can(frames) => frames.on_bus(),
+            Body::Text(_) | Body::Parquet(_) => OnBus::default(),
         }
     }
 

@@ -125,7 +125,7 @@ fn run_through(
         let sample = run.sample();
         recorded.rows.push(run.row(time_s, &sample));
         if let (Steering::Road(driver), Some(track)) = (&*steering, &mut recorded.track) {
-            track.push(time_s, driver.distance_m(), sample.bank_rad);
+            track.push(time_s, driver.distance_m(), &sample);
         }
     }
     Ok(recorded)

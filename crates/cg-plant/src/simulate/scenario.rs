@@ -5,7 +5,7 @@ use std::borrow::Cow;
 use serde::Serialize;
 
 use crate::maneuver::{Course, Histories, Maneuver};
-use crate::plant::check_payload_left;
+use crate::plant::{PlantSample, check_payload_left};
 use crate::road::Road;
 use crate::sensors::{ChassisSensors, Sensors};
 use cg_vehicle::error::VehicleError;
@@ -349,14 +349,17 @@ pub struct Track {
     pub distance_m: Vec<f64>,
     /// Bank of the road under the vehicle, left side higher positive.
     pub bank_rad: Vec<f64>,
+    /// Yaw rate of the tractor, which a log does not have.
+    pub tractor_yaw_rate_radps: Vec<f64>,
 }
 
 impl Track {
-    pub(super) fn push(&mut self, time_s: f64, distance_m: f64, bank_rad: f64) {
+    pub(super) fn push(&mut self, time_s: f64, distance_m: f64, sample: &PlantSample) {
         if self.time_s.last().is_none_or(|last_s| time_s - last_s > TRACK_INTERVAL_S - 1e-9) {
             self.time_s.push(time_s);
             self.distance_m.push(distance_m);
-            self.bank_rad.push(bank_rad);
+            self.bank_rad.push(sample.bank_rad);
+            self.tractor_yaw_rate_radps.push(sample.tractor.yaw_rate_radps);
         }
     }
 }

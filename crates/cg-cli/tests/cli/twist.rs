@@ -1,0 +1,56 @@
+//! Roads whose bank changes along the truck: the drive shows it, and `cg estimate` and `cg run` take it away.
+
+use std::fmt::Write as _;
+
+use crate::common::{Scratch, cg, fixture, height_m};
+use crate::run::{last_height, lines};
+
+const HEIGHT_M: f64 = 1.9;
+
+/// A road with curves whose superelevation of 4 % begins 60 m before them and ends with them.
+fn road() -> String {
+    const STRAIGHT_M: f64 = 110.0;
+    const SPIRAL_M: f64 = 40.0;
+    const CURVE_M: f64 = 2.0 * SPIRAL_M + 100.0;
+    const RAMP_M: f64 = 60.0;
+    let mut table = String::from("distance_m,curvature_per_m,bank_rad,speed_mps\n");
+    let mut at_m = 0.0;
+    for radius_m in [150.0_f64, -240.0, -190.0, 320.0, -130.0] {
+        let speed_mps = (1.7 * radius_m.abs()).sqrt().min(22.0);
+        for k in 0..80_u32 {
+            let along_m = 5.0 * f64::from(k);
+            let [into_m, left_m] = [along_m - STRAIGHT_M, STRAIGHT_M + CURVE_M - along_m];
+            let share = |from_m: f64, over_m: f64| (from_m.min(left_m) / over_m).clamp(0.0, 1.0);
+            let curvature_per_m = share(into_m, SPIRAL_M) / radius_m;
+            let bank_rad = -radius_m.signum() * 0.04 * share(into_m + RAMP_M, RAMP_M);
+            let at_m = at_m + along_m;
+            writeln!(table, "{at_m},{curvature_per_m},{bank_rad},{speed_mps}").unwrap();
+        }
+        at_m += 400.0;
+    }
+    table
+}
+
+/// Errors of the height in `cg estimate` and in `cg run`, %.
+fn errors(log: &str, truck: &str) -> [f64; 2] {
+    let channel = ["--vehicle", truck, "--channel", "suspension"];
+    let estimate = cg(&[&["estimate", log, "--format", "json"], &channel[..]].concat()).answer();
+    let run = lines(&cg(&[&["run", "--csv", log], &channel[..]].concat()));
+    [height_m(&estimate), last_height(&run)].map(|height_m| 100.0 * (height_m / HEIGHT_M - 1.0))
+}
+
+/// The trailer's pair is 5 % too great without a yaw rate, which shows the bank.
+#[test]
+fn a_yaw_rate_takes_road_twist_away() {
+    let (scratch, truck) = (Scratch::new(), fixture("vehicles/kraz.toml"));
+    let road = scratch.file("road.csv", road());
+    let load = ["--payload-kg", "14000", "--height-m", "1.9", "--rate-hz", "50"];
+    let log = scratch.simulate("log.csv", &truck, &[&["--road", &road, "--road-twist"], &load[..]].concat());
+    let text = std::fs::read_to_string(&log).unwrap();
+    let without = scratch.file("without.csv", text.replace("yaw_rate_radps", "yaw_rate_of_nobody"));
+    let (with, without) = (errors(&log, &truck), errors(&without, &truck));
+    println!("{with:?} {without:?}");
+    assert!(without.iter().all(|error| *error > 4.0), "{without:?}");
+    assert!(with.iter().all(|error| error.abs() < 2.5), "{with:?}");
+    assert!((with[0] - with[1]).abs() < 0.5, "{with:?}");
+}
