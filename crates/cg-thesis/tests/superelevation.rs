@@ -200,8 +200,9 @@ fn rms_mrad(what: &str, ramps: &[Ramps], superelevation_rad: f64) -> [[f64; 3]; 
 }
 
 /// What a turn on public roads has in its interval is neither less than the ramps of guides make, nor twice as much. It is less than
-/// what ramps of one end of each curve make (docs/limits.md). A yaw rate takes more than a third of that away, although the first
-/// curves of a drive of a minute and a half must show it, and nothing where there is no bank (a tenth of what is stated).
+/// what ramps of one end of each curve make (docs/limits.md). A yaw rate takes more than a third of that away: up to three of the
+/// five curves pass before they have shown it, which leaves 0.6, and the correction comes half a second late. Where there is no bank,
+/// a tenth of what is stated may be taken by mistake.
 #[test]
 fn ramps_of_superelevation_are_in_the_interval() {
     const STATED_MRAD: [f64; 2] = [0.4, 0.8];

@@ -208,7 +208,10 @@ impl TwistCorrection {
             self.speed_mps = sample.speed_mps;
         }
         let (speed_mps, yaw_radps) = (self.speed_mps, sample.yaw_rate_radps);
-        if !(speed_mps > LEAST_MPS && Quantity::YawRate.plausible(yaw_radps)) {
+        let has_pair =
+            !sample.suspension_roll_rad.is_nan() || !sample.tractor_suspension_roll_rad.is_nan();
+        let is_usable = speed_mps > LEAST_MPS && Quantity::YawRate.plausible(yaw_radps);
+        if !(has_pair && is_usable) {
             return;
         }
         let (time_us, l_m) = (sample.time_us, of.trailer_wheelbase_m);

@@ -332,8 +332,10 @@ impl Frames {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::log::Signal;
+    use crate::can::MappedSignal;
+    use crate::log::{CanOptions, Signal};
     use cg_core::AlignSettings;
+    use cg_core::signal::j1939;
 
     /// The rows of a turn on a bus with these values.
     fn row(values: &[(Quantity, f64)]) -> LogRow {
@@ -369,5 +371,28 @@ mod tests {
         ]);
         assert!(tractor.tractor_suspension_roll_rad.is_nan(), "{tractor:?}");
         assert!((tractor.tractor_axle_tilt_rad - 0.15).abs() < 1e-12, "{tractor:?}");
+    }
+
+    /// VDC2 has the yaw rate of the tractor. A mapped signal is what its quantity says, that of the trailer, and so is a value
+    /// that was in no frame.
+    #[test]
+    fn the_yaw_rate_of_vdc2_is_that_of_the_tractor() {
+        let mut data = [0xFF; 8];
+        j1939::YAW_RATE.encode(0.1, &mut data);
+        let frame = Frame::new(0, j1939::YAW_RATE.identifier(0x0B), true, &data).unwrap();
+        let map = ["yaw_rate=VDC2.YawRate".parse().unwrap()];
+        let dbc = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/can/j1939.dbc");
+        let mapped = MappedSignal::load(dbc.as_ref(), &map).unwrap();
+        let can = |mapped| CanOptions { mapped, ..CanOptions::default() };
+        for (mapped, is_of_tractor) in [(Vec::new(), true), (mapped, false)] {
+            let mut rows =
+                FrameRows::new(&LogOptions { can: can(mapped), ..LogOptions::default() });
+            assert!(!rows.on_bus().has_tractor_yaw);
+            assert!(rows.push(&frame));
+            assert_eq!(rows.on_bus().has_tractor_yaw, is_of_tractor);
+        }
+        let mut rows = FrameRows::new(&LogOptions::default());
+        rows.push_value(Quantity::YawRate, 0, 0.1);
+        assert!(!rows.on_bus().has_tractor_yaw);
     }
 }
