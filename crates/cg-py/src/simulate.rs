@@ -41,6 +41,8 @@ pub(crate) fn simulate_log<'py>(
         places.set_item("time_s", PyArray1::from_vec(py, track.time_s))?;
         places.set_item("distance_m", PyArray1::from_vec(py, track.distance_m))?;
         places.set_item("bank_rad", PyArray1::from_vec(py, track.bank_rad))?;
+        let tractor_yaw = PyArray1::from_vec(py, track.tractor_yaw_rate_radps);
+        places.set_item("tractor_yaw_rate_radps", tractor_yaw)?;
         Ok(places)
     });
     Ok((table, truth, track.transpose()?))

@@ -142,7 +142,8 @@ class SimulatedLog:
         The true height, the load and the maneuver, and the errors that the sensors added.
     track : dict of str to array, shape (m,), or None
         Where the vehicle was on its road, every 0.1 s: ``time_s``, ``distance_m`` (of the front
-        axle) and ``bank_rad``; None for a maneuver.
+        axle), ``bank_rad`` and ``tractor_yaw_rate_radps``, which the log does not have (its yaw
+        rate is that of the trailer); None for a maneuver.
     """
 
     signals: dict[str, NDArray[np.float64]]
