@@ -237,8 +237,7 @@ impl TwistCorrection {
         };
         if let Some(now) = motion(Channel::Tractor, yaw_radps) {
             let error_rad = self.tractor.error_rad(&now, &of.tractor, ahead_m);
-            // The rate of the trailer's yaw rate is needed where that of the tractor is not known. It counts only where it is
-            // shown to be right.
+            // Both stand on the same road.
             let shown = self.tractor.evidence.shown.or(self.trailer.evidence.shown);
             if shown.unwrap_or(false) {
                 sample.tractor_suspension_roll_rad -= error_rad;
