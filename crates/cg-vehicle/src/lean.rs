@@ -142,16 +142,25 @@ impl Standing {
 impl Equations {
     /// The angles of a standing vehicle per roll moment on the trailer's sprung mass, rad/(N m).
     fn angles_per_moment(&self) -> Result<DVector<f64>, VehicleError> {
+        let (front, _) = self.on_hitch();
+        self.standing([front, w::ROLL_2].map(|body| (body, 0.5)))
+    }
+
+    /// The angles to gravity of a standing vehicle on whose bodies and axles roll moments act, rad. The moments are summed, each
+    /// given with the roll rate of its body, N m.
+    pub(crate) fn standing(
+        &self,
+        moments_nm: impl IntoIterator<Item = (usize, f64)>,
+    ) -> Result<DVector<f64>, VehicleError> {
         let stiffness = self.stiffness_with_hitch();
         let n = stiffness.ncols() - q::ROLL_1;
         let rolls = stiffness.view((w::ROLL_1, q::ROLL_1), (n, n)).clone_owned();
-        let (front, _) = self.on_hitch();
-        let mut moment = DVector::zeros(n);
-        for body in [front, w::ROLL_2] {
-            moment[body - w::ROLL_1] += 0.5;
+        let mut moment_nm = DVector::zeros(n);
+        for (body, of_body_nm) in moments_nm {
+            moment_nm[body - w::ROLL_1] += of_body_nm;
         }
         let none = || VehicleError::Model(NO_STEADY_TURN.to_owned());
-        let rolls = rolls.lu().solve(&moment).ok_or_else(none)?;
+        let rolls = rolls.lu().solve(&moment_nm).ok_or_else(none)?;
         let mut angles = DVector::zeros(stiffness.ncols());
         angles.rows_mut(q::ROLL_1, n).copy_from(&rolls);
         Ok(angles)

@@ -9,8 +9,8 @@ use serde::{Deserialize, Serialize};
 use crate::balance::static_balance;
 use crate::equations::{Equations, Variant, q, w};
 use crate::error::VehicleError;
-use crate::linear::{Laden, NO_STEADY_TURN};
-use crate::vehicle::Vehicle;
+use crate::linear::Laden;
+use crate::vehicle::{PlacedAxle, Vehicle};
 
 /// What road twist does to the pair of a unit, and how the bank of the road under it follows from its sensors.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -50,14 +50,15 @@ impl RoadTwist {
         let laden = Laden::new(vehicle, Variant::Complete, load)?;
         let equations = Equations::of(&laden, vehicle.nominal_speed_mps)?;
         let axles = vehicle.axles();
-        let on = |bank_rad: &dyn Fn(usize) -> f64| {
-            let moment_nm = |i: usize| axles[i].tyre_roll_stiffness_nm_per_rad() * bank_rad(i);
-            equations.angles_by_axles(moment_nm)
+        let on = |bank_rad: &dyn Fn(&PlacedAxle<'_>) -> f64| {
+            let moment_nm =
+                |axle: &PlacedAxle<'_>| axle.tyre_roll_stiffness_nm_per_rad() * bank_rad(axle);
+            let moments = axles.iter().enumerate();
+            equations.standing(moments.map(|(i, axle)| (w::AXLE + i, moment_nm(axle))))
         };
-        let ahead_m = |i: usize| {
-            let placed = &axles[i];
-            let ahead_m = placed.position_m + vehicle.tractor.hitch_behind_cg_m;
-            if placed.on_trailer { -placed.position_m } else { ahead_m }
+        let ahead_m = |axle: &PlacedAxle<'_>| {
+            let ahead_m = axle.position_m + vehicle.tractor.hitch_behind_cg_m;
+            if axle.on_trailer { -axle.position_m } else { ahead_m }
         };
         let (even, twisted) = (on(&|_| 1.0)?, on(&ahead_m)?);
         let slips = slips(vehicle, &laden)?;
@@ -92,27 +93,6 @@ fn slips(vehicle: &Vehicle, laden: &Laden<'_>) -> Result<[f64; 2], VehicleError>
         }
         mass_kg / cornering_n_per_rad
     }))
-}
-
-impl Equations {
-    /// The angles to gravity of a standing vehicle whose axles the road rolls with these moments, N m.
-    fn angles_by_axles(
-        &self,
-        moment_nm: impl Fn(usize) -> f64,
-    ) -> Result<DVector<f64>, VehicleError> {
-        let stiffness = self.stiffness_with_hitch();
-        let n = stiffness.ncols() - q::ROLL_1;
-        let rolls = stiffness.view((w::ROLL_1, q::ROLL_1), (n, n)).clone_owned();
-        let mut moments = DVector::zeros(n);
-        for axle in 0..self.axles {
-            moments[w::AXLE + axle - w::ROLL_1] = moment_nm(axle);
-        }
-        let none = || VehicleError::Model(NO_STEADY_TURN.to_owned());
-        let rolls = rolls.lu().solve(&moments).ok_or_else(none)?;
-        let mut angles = DVector::zeros(stiffness.ncols());
-        angles.rows_mut(q::ROLL_1, n).copy_from(&rolls);
-        Ok(angles)
-    }
 }
 
 #[cfg(test)]
