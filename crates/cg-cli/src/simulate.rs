@@ -117,7 +117,10 @@ pub(crate) fn run(arguments: &SimulateArgs, files: Files) -> anyhow::Result<Outc
         arguments.truth.as_deref().map(|path| files.writes("--truth", path, Kind::Truth));
     let truth_target = truth_target.transpose()?;
     let file = truck::load(&arguments.vehicle)?;
-    let vehicle = arguments.lift.of(&file)?;
+    let mut vehicle = arguments.lift.of(&file)?;
+    if is_candump(&arguments.output) {
+        vehicle.sensors = vehicle.sensors.with_tractor_yaw(); // as in VDC2
+    }
     let simulation = simulation(arguments, &vehicle)?;
     let position = file.has_lift_axle().then(|| arguments.lift.lift_axle.unwrap_or_default());
     let mut columns = simulation.columns();

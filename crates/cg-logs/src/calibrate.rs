@@ -106,6 +106,7 @@ pub fn calibrate_with_trips<E: From<VehicleError>>(
             turns_sd.push(identified.turns_sd);
         }
         count_together(&mut runs, &turns_sd);
+        count_once(&mut runs, logs);
         forget_given(&mut trips, &runs);
         runs.extend_from_slice(&trips);
         let fitted = fit(vehicle, variant, procedure, &runs)?;
@@ -182,15 +183,20 @@ fn of_run(vehicle: &Vehicle, how: CalibrateOptions, known: &KnownLog) -> Estimat
     }
 }
 
-/// What is doubtful in a run: a log that contradicts the given mass, an unknown lift axle, or turns that are strong or tight. The
-/// mass of an empty trailer is in its papers.
+/// What is doubtful in a run: a log that contradicts the given mass, an unknown lift axle, turns that are strong or tight, and
+/// what an estimate says of the whole log. The mass of an empty trailer is in its papers.
 fn doubted(vehicle: &Vehicle, known: &KnownLog, identified: &Identified) -> Vec<String> {
     let given = known.load.trailer_mass(vehicle).filter(|_| known.load != KnownLoad::Empty);
     let masses = given.zip(identified.logged_mass_kg);
     let of_mass = masses.and_then(|(given, logged_kg)| mass_contradiction(given.kg, logged_kg));
     let of_lift = identified.lift_unknown.map(str::to_owned);
-    let all = of_mass.into_iter().chain(of_lift).chain(identified.turns.iter().cloned());
-    all.map(|found| format!("{}: {found}", known.log)).collect()
+    let mut all: Vec<String> = of_mass.into_iter().chain(of_lift).collect();
+    all.extend_from_slice(&identified.turns);
+    let others = identified.notes.iter().filter(|note| !all.contains(note));
+    // A calibration has no such option.
+    let in_file = |note: &String| note.replace("give ⟨speed_mps⟩", "add the speed to the log");
+    let others: Vec<_> = others.map(|note| in_file(note).replace(['⟨', '⟩'], "")).collect();
+    all.into_iter().chain(others).map(|found| format!("{}: {found}", known.log)).collect()
 }
 
 /// Whether a bank of its roads, of which nothing is said, would change its ratios.
@@ -287,6 +293,20 @@ fn count_together(runs: &mut [Run], turns_sd: &[[f64; CHANNELS]]) {
     }
 }
 
+/// A height or a mass that is given for several runs was measured once: of as many runs as have it, each counts for that much less,
+/// so that all together have it once.
+fn count_once(runs: &mut [Run], logs: &[KnownLog]) {
+    for (run, known) in runs.iter_mut().zip(logs) {
+        let KnownLoad::Laden { trailer_mass, .. } = known.load else { continue };
+        #[allow(clippy::cast_precision_loss)] // a handful
+        let have = logs.iter().filter(|other| other.load == known.load).count() as f64;
+        run.height_sd_m *= have.sqrt();
+        if trailer_mass.is_some() {
+            run.trailer_mass_sd_kg *= have.sqrt();
+        }
+    }
+}
+
 /// Removes trips from which a truck has learned and whose log is given, too.
 fn forget_given(trips: &mut Vec<Run>, runs: &[Run]) {
     trips.retain(|trip| {
@@ -332,9 +352,16 @@ fn run_of(
             )));
         }
     }
+    if let Some(wrong) = &identified.wrong_signal {
+        return Err(VehicleError::Model(format!(
+            "{}: {wrong}; an estimate of this log has no height, and later ones would rest on it: correct the signal and record the \
+             run again, or leave it out",
+            known.log
+        )));
+    }
     if let Some(since_s) = identified.load_since_s {
         return Err(VehicleError::Model(format!(
-            "{}: the load changed before {since_s:.0} s, but a run has one load: give a log of one of them",
+            "{}: the load, or a sensor, changed before {since_s:.0} s, but a run has one load: give a log of one of them",
             known.log
         )));
     }

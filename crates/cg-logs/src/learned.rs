@@ -101,9 +101,9 @@ impl fmt::Display for Taken {
         match self {
             Self::Learned(trips) => write!(f, "learned a trip with the empty trailer; {trips} count"),
             Self::Waiting => f.write_str(
-                "a trip with the empty trailer contradicts what was known of the truck beyond chance; \
-                 it counts if the next one agrees with it (check the mass and the sensors, or whether \
-                 tires or springs are new)",
+                "a trip with the empty trailer contradicts what was known of the truck beyond chance, so heights of loads may be \
+                 wrong, too: check the mass and the sensors, or whether tires or springs are new. It counts if the next one \
+                 agrees with it and both are possible by the vehicle file and its calibration; if not, calibrate again",
             ),
             Self::Forgotten(trips) => write!(
                 f,
@@ -218,6 +218,14 @@ impl Learned {
     /// Whether there is nothing in it.
     pub fn is_empty(&self) -> bool {
         self.trips.is_empty() && self.waiting.is_none() && self.open.is_none()
+    }
+
+    /// What is to be said at the beginning of a trip if the last empty one contradicts what is known of the truck.
+    pub fn contradiction(&self) -> Option<&'static str> {
+        self.waiting.as_ref().map(|_| {
+            "the last trip with the empty trailer contradicts what is known of the truck, so heights of loads may be wrong beyond \
+             their intervals: check the mass and the sensors; if tires, springs or sensors are new, calibrate again"
+        })
     }
 
     /// Number of trips that count.

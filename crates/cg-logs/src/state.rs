@@ -55,6 +55,9 @@ pub struct State {
     /// Whether the mass is that of the load before. Older files do not have it.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub mass_is_of_another_load: bool,
+    /// Whether its turns said that another load was on the trailer, so that its height was not shown. Older files do not have it.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub height_is_doubted: bool,
     /// Where the lift axles were. Older files do not have it.
     #[serde(default, skip_serializing_if = "LiftAxle::is_down")]
     pub lift_axle: LiftAxle,
@@ -165,6 +168,7 @@ impl State {
             mass_sd_kg: None,
             wrong_signal: None,
             mass_is_of_another_load: false,
+            height_is_doubted: false,
             lift_axle: LiftAxle::Down,
             strength: Strength::default(),
             gusts: Gusts::default(),

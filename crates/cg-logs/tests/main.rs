@@ -7,6 +7,7 @@ mod calibration_file;
 mod can;
 mod columns;
 mod common;
+mod faulty_runs;
 mod fuzz_seeds;
 mod independent_truck;
 mod key_on;

@@ -14,15 +14,21 @@ use crate::vehicle::Vehicle;
 /// A simulated log: a dict of columns, the truth as JSON, and a dict of the places on the road.
 type Simulated<'py> = (Bound<'py, PyDict>, String, Option<Bound<'py, PyDict>>);
 
-/// Simulate a log: a dict of columns, the truth as JSON, and on a road a dict of the places.
+/// Simulate a log: a dict of columns, the truth as JSON, and on a road a dict of the places. The yaw rate is where the
+/// vehicle has its sensor, or `on_bus` that of the tractor.
 #[pyfunction]
-#[pyo3(signature = (vehicle, request, /))]
+#[pyo3(signature = (vehicle, request, /, *, on_bus = false))]
 pub(crate) fn simulate_log<'py>(
     py: Python<'py>,
     vehicle: &Bound<'py, Vehicle>,
     request: Request,
+    on_bus: bool,
 ) -> PyResult<Simulated<'py>> {
-    let simulation = request.simulation(py, &vehicle.get().inner)?;
+    let mut simulated = vehicle.get().inner.clone();
+    if on_bus {
+        simulated.sensors = simulated.sensors.with_tractor_yaw();
+    }
+    let simulation = request.simulation(py, &simulated)?;
     let rows = py.detach(|| simulation.rows());
     let truth =
         serde_json::to_string(&simulation.truth).map_err(|error| value_error(error.to_string()))?;

@@ -33,7 +33,7 @@ const STEP_G: f64 = 0.17;
 const STIFFEST_NM_PER_RAD: f64 = 1e8;
 
 /// A truck that was drawn from its vehicle file.
-struct Truck {
+pub(crate) struct Truck {
     vehicle: Vehicle,
     deviations: Deviations,
     /// Standard deviation of what the equations leave out, which is another one in each log and channel.
@@ -45,7 +45,7 @@ fn normal(source: &mut StdRng) -> f64 {
     StandardNormal.sample(source)
 }
 
-fn laden(vehicle: &Vehicle, payload_kg: f64, payload_height_m: f64) -> Load {
+pub(crate) fn laden(vehicle: &Vehicle, payload_kg: f64, payload_height_m: f64) -> Load {
     let tare = &vehicle.trailer.tare;
     let moment_kgm = tare.sprung_mass_kg * tare.cg_height_m + payload_kg * payload_height_m;
     Load {
@@ -55,7 +55,7 @@ fn laden(vehicle: &Vehicle, payload_kg: f64, payload_height_m: f64) -> Load {
 }
 
 impl Truck {
-    fn drawn(file: &Vehicle, seed: u64) -> Self {
+    pub(crate) fn drawn(file: &Vehicle, seed: u64) -> Self {
         let belief = Belief::prior(file);
         let mut source = StdRng::seed_from_u64(seed);
         let deviations = belief.drawn(|| normal(&mut source));
@@ -65,7 +65,7 @@ impl Truck {
 
     /// What its sensors measure in a maneuver of a lateral acceleration, with noise of 30 dB on the roll
     /// angle.
-    fn rows(&mut self, load: Load, maneuver: Maneuver, lateral_g: f64) -> Vec<LogRow> {
+    pub(crate) fn rows(&mut self, load: Load, maneuver: Maneuver, lateral_g: f64) -> Vec<LogRow> {
         let Self { vehicle, deviations, residual_sd, source } = self;
         let speed_mps = vehicle.nominal_speed_mps;
         // The weakest of these turns is as strong as the estimator wants, so the steer angle is that of weak turns.
@@ -134,7 +134,7 @@ fn unless_unstable(design: Result<Design<f64>, VehicleError>) -> Option<Design<f
 }
 
 /// Error of a height and its standard deviation, relative to the true height.
-type Found = [f64; 2];
+pub(crate) type Found = [f64; 2];
 
 fn estimate(design: &Design<f64>, rows: &[LogRow], truth_m: f64) -> Option<Found> {
     let options = EstimateOptions::default();
@@ -166,13 +166,13 @@ fn found(file: &Vehicle, of_file: &Design<f64>, seed: u64, number: u64) -> [Opti
 
 /// The answers of one kind of design.
 #[derive(Default)]
-struct Answers {
-    all: Vec<Found>,
-    none: usize,
+pub(crate) struct Answers {
+    pub(crate) all: Vec<Found>,
+    pub(crate) none: usize,
 }
 
 impl Answers {
-    fn add(&mut self, found: Option<Found>) {
+    pub(crate) fn add(&mut self, found: Option<Found>) {
         match found {
             Some(found) => self.all.push(found),
             None => self.none += 1,
@@ -189,7 +189,7 @@ impl Answers {
         self.all.iter().map(value).sum::<f64>() / self.all.len() as f64
     }
 
-    fn rms(&self) -> f64 {
+    pub(crate) fn rms(&self) -> f64 {
         self.mean(|[error, _]| error * error).sqrt()
     }
 
@@ -198,11 +198,11 @@ impl Answers {
         [self.mean(|[error, sd]| error / sd), self.mean(|[error, sd]| (error / sd).powi(2))]
     }
 
-    fn misses(&self) -> usize {
+    pub(crate) fn misses(&self) -> usize {
         self.all.iter().filter(|[error, sd]| (error / sd).abs() > QUANTILE_95).count()
     }
 
-    fn print(&self, name: &str, known: &str) {
+    pub(crate) fn print(&self, name: &str, known: &str) {
         let [z, square] = self.deviation();
         println!(
             "| {name} | {known} | {} of {} | {} | {:.2} | {:.2} | {z:+.2} | {square:.2} |",
@@ -217,7 +217,7 @@ impl Answers {
     /// 95 % of the intervals hold, within three standard deviations of the binomial distribution, and the
     /// mean square of error over standard deviation is one, within three of the χ² distribution.
     #[allow(clippy::cast_precision_loss)] // dozens
-    fn hold(&self, what: &str) {
+    pub(crate) fn hold(&self, what: &str) {
         let n = self.all.len() as f64;
         let most = 0.05 * n + 3.0 * (0.05 * 0.95 * n).sqrt();
         assert!(self.misses() as f64 <= most, "{what}: {} of {n} missed", self.misses());

@@ -13,5 +13,6 @@ mod pages;
 mod reproduce;
 mod study;
 mod superelevation;
+mod tractor_yaw;
 mod truck;
 mod trucks;

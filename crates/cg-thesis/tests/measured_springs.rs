@@ -14,7 +14,7 @@ use cg_plant::road::{Road, RoadKind};
 use cg_plant::sensors::ChassisSensors;
 use cg_plant::simulate::{LogSimulation, Scenario};
 use cg_vehicle::design::{design, design_with};
-use cg_vehicle::road_twist::RoadTwist;
+use cg_vehicle::preparation::Prepares;
 use cg_vehicle::{Load, Variant, Vehicle, VehicleError};
 use rayon::prelude::*;
 
@@ -121,9 +121,9 @@ impl Judged {
         (pair, has_yaw_rate): (Channel, bool),
         drives: &[(Load, Vec<LogRow>)],
     ) -> Self {
-        let road_twist = has_yaw_rate.then(|| RoadTwist::of(vehicle).unwrap());
+        let prepares = has_yaw_rate.then(|| Prepares::of(vehicle).unwrap());
         let channel = Some(pair);
-        let options = EstimateOptions { channel, road_twist, ..EstimateOptions::default() };
+        let options = EstimateOptions { channel, prepares, ..EstimateOptions::default() };
         let mut judged = Self::default();
         for (load, rows) in drives {
             let mut estimator =

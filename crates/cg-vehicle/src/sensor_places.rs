@@ -27,9 +27,25 @@ pub struct SensorPlaces {
     /// that pressure is not used. The load is that of the drive axles on the road.
     #[serde(default)]
     pub drive_pressure: Option<SuspensionPressure>,
+    /// The sensor of the yaw rate; without it, where it is follows from the log or the bus.
+    #[serde(default)]
+    pub yaw_rate: Option<YawRateSensor>,
     /// How exact the sources of the trailer mass are; without it they are as exact as usual.
     #[serde(default)]
     pub mass: Option<MassUncertainty>,
+}
+
+impl SensorPlaces {
+    /// Whether the sensor of the yaw rate is on the tractor by the vehicle file.
+    pub fn has_tractor_yaw(&self) -> bool {
+        self.yaw_rate.is_some_and(|sensor| sensor.on_tractor)
+    }
+
+    /// The same with the yaw rate of the tractor.
+    #[must_use]
+    pub fn with_tractor_yaw(self) -> Self {
+        Self { yaw_rate: Some(YawRateSensor { on_tractor: true }), ..self }
+    }
 }
 
 /// Standard deviations of the trailer mass, for each source of it. Those of sensors are relative to the
@@ -108,6 +124,14 @@ impl RollSensor {
         let others: f64 = second.iter().map(|(_, share)| share).sum();
         std::iter::once((first_m, 1.0 - others)).chain(second)
     }
+}
+
+/// The sensor of the yaw rate.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct YawRateSensor {
+    /// Whether it is on the tractor.
+    pub on_tractor: bool,
 }
 
 /// Place of the accelerometer on the trailer.

@@ -13,6 +13,7 @@ use nalgebra::{SMatrix, SVector};
 use serde::{Deserialize, Serialize};
 
 use crate::road_twist::{PairOnTwist, RoadTwist};
+use crate::trailer_path::since_s;
 
 /// Time constant of each of the low-passes in series, s. The shorter, the less does the correction lag behind the road; the
 /// derivatives multiply noise by its reciprocal.
@@ -166,61 +167,39 @@ impl Unit {
     }
 }
 
-/// The yaw rate of the trailer from that of the tractor. It follows as if it were drawn at its axles, `(l/U) r2' = r1 - r2`.
-#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
-struct Drawn {
-    last_us: Option<u64>,
-    yaw_radps: f64,
-}
-
-impl Drawn {
-    fn follow(&mut self, time_us: u64, tractor_radps: f64, after_s: f64) -> f64 {
-        let passed_s = since_s(&mut self.last_us, time_us);
-        let weight = if passed_s < GAP_S { passed_s / (after_s + passed_s) } else { 1.0 };
-        self.yaw_radps += weight * (tractor_radps - self.yaw_radps);
-        self.yaw_radps
-    }
-}
-
-/// The time since the last one, s, which is then this one; infinite before the first one.
-fn since_s(last_us: &mut Option<u64>, time_us: u64) -> f64 {
-    #[allow(clippy::cast_precision_loss)] // 2^53 µs are 285 years
-    let seconds = |us: u64| us as f64 * 1e-6;
-    let last_us = last_us.replace(time_us);
-    last_us.map_or(f64::INFINITY, |last_us| seconds(time_us.saturating_sub(last_us)))
+/// The yaw rates of a truck.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct YawRates {
+    /// That of the tractor, if it is known.
+    pub(crate) tractor_radps: Option<f64>,
+    /// That of the trailer, NaN if it is not known.
+    pub(crate) trailer_radps: f64,
 }
 
 /// Corrects the suspension rolls of a drive.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
-pub struct TwistCorrection {
-    /// Whether the yaw rate is that of the tractor.
-    pub has_tractor_yaw: bool,
-    speed_mps: f64,
-    drawn: Drawn,
+pub(crate) struct TwistCorrection {
     tractor: Unit,
     trailer: Unit,
 }
 
 impl TwistCorrection {
-    /// Corrects the suspension rolls of a sample with a yaw rate.
-    pub fn correct(&mut self, sample: &mut Sample<f64>, of: &RoadTwist, gravity_mps2: f64) {
-        if Quantity::Speed.plausible(sample.speed_mps) {
-            self.speed_mps = sample.speed_mps;
-        }
-        let (speed_mps, yaw_radps) = (self.speed_mps, sample.yaw_rate_radps);
+    /// Corrects the suspension rolls of a sample, at a speed in m/s.
+    pub(crate) fn correct(
+        &mut self,
+        sample: &mut Sample<f64>,
+        speed_mps: f64,
+        yaw: YawRates,
+        of: &RoadTwist,
+        gravity_mps2: f64,
+    ) {
+        let (time_us, YawRates { tractor_radps, trailer_radps }) = (sample.time_us, yaw);
         let has_pair =
             !sample.suspension_roll_rad.is_nan() || !sample.tractor_suspension_roll_rad.is_nan();
-        let is_usable = speed_mps > LEAST_MPS && Quantity::YawRate.plausible(yaw_radps);
-        if !(has_pair && is_usable) {
+        if !(has_pair && speed_mps > LEAST_MPS && Quantity::YawRate.plausible(trailer_radps)) {
             return;
         }
-        let (time_us, l_m) = (sample.time_us, of.trailer_wheelbase_m);
-        let of_trailer_radps = if self.has_tractor_yaw {
-            self.drawn.follow(time_us, yaw_radps, l_m / speed_mps)
-        } else {
-            yaw_radps
-        };
-        let ahead_m = if self.has_tractor_yaw { 0.0 } else { l_m };
+        let ahead_m = if tractor_radps.is_some() { 0.0 } else { of.trailer_wheelbase_m };
         let signals = Signals::of(&sample.checked(), speed_mps, gravity_mps2);
         let motion = |pair: Channel, yaw_radps| {
             let suspension_rad = signals.output(pair.output());
@@ -235,7 +214,7 @@ impl TwistCorrection {
                 gravity_mps2,
             })
         };
-        if let Some(now) = motion(Channel::Tractor, yaw_radps) {
+        if let Some(now) = motion(Channel::Tractor, tractor_radps.unwrap_or(trailer_radps)) {
             let error_rad = self.tractor.error_rad(&now, &of.tractor, ahead_m);
             // Both stand on the same road.
             let shown = self.tractor.evidence.shown.or(self.trailer.evidence.shown);
@@ -243,7 +222,7 @@ impl TwistCorrection {
                 sample.tractor_suspension_roll_rad -= error_rad;
             }
         }
-        if let Some(now) = motion(Channel::Suspension, of_trailer_radps) {
+        if let Some(now) = motion(Channel::Suspension, trailer_radps) {
             let error_rad = self.trailer.error_rad(&now, &of.trailer, 0.0);
             let shown = self.trailer.evidence.shown.or(self.tractor.evidence.shown);
             if shown.unwrap_or(false) {
@@ -308,6 +287,10 @@ mod tests {
         (sample, error_rad)
     }
 
+    fn yaw(sample: &Sample<f64>) -> YawRates {
+        YawRates { tractor_radps: None, trailer_radps: sample.yaw_rate_radps }
+    }
+
     fn rms(values: &[f64]) -> f64 {
         #[allow(clippy::cast_precision_loss)]
         let count = values.len() as f64;
@@ -322,7 +305,7 @@ mod tests {
         let rows = (1..=10_000).map(|k| k * STEP_US).map(|time_us| {
             let (sample, _) = trailer(time_us, &of, twist);
             let mut corrected = sample;
-            correction.correct(&mut corrected, &of, GRAVITY_MPS2);
+            correction.correct(&mut corrected, SPEED_MPS, yaw(&sample), &of, GRAVITY_MPS2);
             let (_, earlier_rad) = trailer(time_us.saturating_sub(lag_us), &of, 1.0);
             (sample.suspension_roll_rad - corrected.suspension_roll_rad, earlier_rad)
         });
@@ -370,25 +353,13 @@ mod tests {
                 change(&mut sample);
             }
             let before_rad = sample.suspension_roll_rad;
-            correction.correct(&mut sample, &of, GRAVITY_MPS2);
+            let (speed_mps, yaw) = (sample.speed_mps, yaw(&sample));
+            correction.correct(&mut sample, speed_mps, yaw, &of, GRAVITY_MPS2);
             let is_same = sample.suspension_roll_rad.to_bits() == before_rad.to_bits();
             assert!(is_same || place >= changes.len(), "{k}: {sample:?}");
             assert!((sample.suspension_roll_rad - before_rad).abs() < 0.02, "{k}: {sample:?}");
             corrected += usize::from(!is_same);
         }
         assert!(corrected > 500, "{corrected}");
-    }
-
-    /// A trailer of 8 m behind a tractor that begins to turn at 20 m/s reaches 63 % of its yaw rate after 0.4 s.
-    #[test]
-    fn a_trailer_turns_after_its_tractor() {
-        let mut drawn = Drawn::default();
-        drawn.follow(0, 0.0, 0.4);
-        let rates: Vec<f64> = (1..=40).map(|k| drawn.follow(k * 10_000, 0.1, 0.4)).collect();
-        let share = rates[39] / 0.1;
-        // Implicit steps of 10 ms: (1 + 0.01/0.4)^-40 is 0.372 for 0.368.
-        assert!((share - 0.628).abs() < 1e-3, "{share}");
-        // After a gap it is where the tractor is.
-        assert!((drawn.follow(10_000_000, -0.1, 0.4) + 0.1).abs() < 1e-12);
     }
 }

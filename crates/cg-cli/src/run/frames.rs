@@ -97,7 +97,9 @@ impl Frames {
     fn push<W: Write>(&self, sample: Sample<f64>, session: &mut Session<W>) -> io::Result<()> {
         let (sampler, stream_us) = (&self.sampler, sample.time_us);
         session.weighing.scale = sampler.scale(stream_us).or(session.weighing.scale);
-        session.twist.has_tractor_yaw = sampler.decoder().has_tractor_yaw();
+        let decoder = sampler.decoder();
+        session.preparation.has_tractor_yaw = decoder.has_tractor_yaw();
+        session.preparation.has_tractor_acceleration = decoder.has_tractor_acceleration();
         session.weighing.heard_us = sampler.weighed_us(stream_us);
         session.sensors.level(|level| sampler.value(level, stream_us));
         session.push(sample)

@@ -92,6 +92,7 @@ impl Start {
             let resumed = learned.resume(vehicle, variant);
             let trips = learned.trips();
             messages.extend(told(resumed, trips));
+            messages.extend(learned.contradiction().map(|told| Told::Problem(told.to_owned())));
             let found = learned.belief(vehicle, variant, now_s);
             match found.and_then(|found| usable((vehicle, variant), found)) {
                 Ok(found) => known = found,

@@ -19,7 +19,7 @@ use cg_logs::estimate::{
     SinceStop, StrongTurns, Tilts, Unheard, Verdict, Windward, add_force,
 };
 use cg_logs::log::Signal;
-use cg_vehicle::twist_correction::TwistCorrection;
+use cg_vehicle::preparation::Preparation;
 
 use crate::flags;
 
@@ -105,7 +105,7 @@ pub(crate) struct Session<W: Write> {
     pub(crate) rated: Rated,
     /// What a side wind makes of the ratios.
     pub(crate) windward: Windward,
-    pub(crate) twist: TwistCorrection,
+    pub(crate) preparation: Preparation,
     samples: u64,
     pub(crate) counters: Counters,
     /// Time stamp minus stream time, s.
@@ -184,7 +184,7 @@ impl<W: Write> Session<W> {
             tilts: Tilts::default(),
             rated: Rated::default(),
             windward: Windward::default(),
-            twist: TwistCorrection::default(),
+            preparation: Preparation::default(),
             samples: 0,
             counters: Counters::default(),
             offset_s: 0.0,
@@ -241,14 +241,16 @@ impl<W: Write> Session<W> {
         self.sampled_us = sample.time_us;
         let gravity_mps2 = self.estimator.design().gravity_mps2;
         add_force(&mut sample, gravity_mps2);
-        if let Some(of) = self.options.twist_of_road() {
-            self.twist.correct(&mut sample, of, gravity_mps2);
+        let Sample { yaw_rate_radps, lateral_acceleration_mps2, .. } = sample;
+        if let Some(of) = &self.options.prepares {
+            self.preparation.prepare(&mut sample, of, self.options.may_twist(), gravity_mps2);
         }
         if self.missing.contains(&Signal::Speed.name()) {
             sample.steer_rad = f64::NAN; // means nothing without a speed
         }
         self.weigh(&mut sample)?;
-        self.warn(&sample)?;
+        // The tractor turns before its trailer, so what it measures warns earlier.
+        self.warn(&Sample { yaw_rate_radps, lateral_acceleration_mps2, ..sample })?;
         let (samples, slow_s) = self.pace.push(sample);
         if let Some(step_s) = slow_s {
             self.notice(pacing(&sample), &too_slow(step_s))?;
@@ -461,6 +463,7 @@ impl<W: Write> Session<W> {
             gusts: self.windward.of_load(),
             trips_in_use: self.trips_in_use,
             wrong_signal: self.wrong_text(),
+            height_is_doubted: self.doubted.hides,
             ..self.weighing.saved(self.mass_source)
         };
         match self.outputs.save(&memory, saved_s, load, learned.unwrap_or_default()) {

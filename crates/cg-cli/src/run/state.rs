@@ -46,6 +46,8 @@ pub(crate) struct SavedLoad {
     pub(crate) mass_sd_kg: Option<f64>,
     /// Whether that mass is of the load before.
     pub(crate) mass_is_of_another_load: bool,
+    /// Whether turns said that the height is of another load.
+    pub(crate) height_is_doubted: bool,
     /// Where the lift axles were.
     pub(crate) lift_axle: LiftAxle,
     /// What its turns came to.
@@ -86,6 +88,7 @@ impl StateFile {
         (state.scale, state.mass_sd_kg) = (load.scale, load.mass_sd_kg);
         state.wrong_signal = load.wrong_signal;
         state.mass_is_of_another_load = load.mass_is_of_another_load;
+        state.height_is_doubted = load.height_is_doubted;
         state.lift_axle = load.lift_axle;
         state.strength = load.strength;
         state.gusts = load.gusts;
@@ -251,6 +254,7 @@ mod tests {
             lift_axle: LiftAxle::Raised,
             mass_sd_kg: Some(70.0),
             mass_is_of_another_load: true,
+            height_is_doubted: true,
             strength,
             gusts,
             trips_in_use: 3,
@@ -261,7 +265,8 @@ mod tests {
         assert_eq!((state.memory(3), state.saved_s, state.load_since_s), (memory, 2.5, None));
         assert_eq!(state.memory(2), memory.of_another_design());
         assert_eq!(state.scale, Some(Scale::AxleLoad));
-        assert_eq!((state.mass_is_of_another_load, state.lift_axle), (true, LiftAxle::Raised));
+        assert!(state.mass_is_of_another_load && state.height_is_doubted);
+        assert_eq!(state.lift_axle, LiftAxle::Raised);
         assert_eq!((state.strength, state.gusts), (strength, gusts));
         assert_eq!(
             (state.mass_sd_kg, state.wrong_signal.as_deref()),

@@ -52,6 +52,7 @@ mod new_truck;
 mod output;
 mod reproduce;
 #[cfg(unix)]
+mod preparation;
 mod replay;
 mod run;
 mod rollover;
@@ -65,7 +66,7 @@ mod state;
 mod stopping;
 mod streams;
 mod study;
-mod twist;
+
 mod usage;
 mod vehicles;
 mod wind;

@@ -128,3 +128,56 @@ fn the_state_is_saved_if_standard_output_fails() {
         assert!(text.starts_with("{\"format\":\"cg-height state\"") && text.contains("crc32 "));
     }
 }
+
+/// The rows of a log until a time, s, with or without the mass.
+fn part(log: &str, until_s: f64, has_mass: bool) -> String {
+    let text = fs::read_to_string(log).unwrap();
+    let (head, rows) = text.split_once("time_s,").unwrap();
+    let is_early = |row: &&str| {
+        let time_s: Option<f64> = row.split(',').next().unwrap().parse().ok();
+        time_s.is_none_or(|time_s| time_s < until_s)
+    };
+    let rows = format!("time_s,{rows}");
+    let mut rows: Vec<_> = rows.lines().filter(is_early).map(str::to_owned).collect();
+    if !has_mass {
+        rows[0] = rows[0].replace("trailer_mass_kg", "no_mass");
+    }
+    format!("{head}{}\n", rows.join("\n"))
+}
+
+/// A height that the mass of another load, or a turn, has hidden stays hidden over a restart, although nothing else says then
+/// that the load is another one. Without a restart, too, the next turn is the first that gives a height again.
+#[test]
+fn a_hidden_height_stays_hidden_after_a_restart() {
+    let (scratch, vehicle) = (Scratch::new(), kraz());
+    let step = |name: &str, load: [&str; 2]| {
+        let more = ["--maneuver", "rounded-step", "--plant", "nonlinear", "--payload-kg", load[0]];
+        scratch.simulate(name, &vehicle, &[&more[..], &["--height-m", load[1]]].concat())
+    };
+    let (light, heavy) = (step("light.csv", ["6000", "1.6"]), step("heavy.csv", ["20000", "2.2"]));
+    let whole = scratch.file("whole.csv", part(&heavy, f64::MAX, false));
+    // The turn begins after two seconds.
+    let straight = scratch.file("straight.csv", part(&heavy, 1.5, true));
+    for (name, second) in [("weighed.json", &straight), ("turned.json", &whole)] {
+        let state = scratch.path(name);
+        let trip = |log: &str| {
+            let mut arguments = replay(log, &vehicle, &state);
+            *arguments.last_mut().unwrap() = "0.5";
+            let lines = lines(&cg(&arguments));
+            let all = |event: &str, key: &str| -> Vec<_> {
+                events(&lines, event).iter().map(|line| line[key].clone()).collect()
+            };
+            (all("status", "height_m"), all("notice", "subject"))
+        };
+        let (heights, _) = trip(&light);
+        assert!((heights.last().unwrap().as_f64().unwrap() - 1.6).abs() < 0.3, "{heights:?}");
+        let (heights, told) = trip(second);
+        assert!(heights.last().unwrap().is_null() && told.contains(&"load".into()), "{told:?}");
+        let (heights, told) = trip(&whole);
+        assert!(
+            heights.len() > 20 && heights[..4].iter().all(serde_json::Value::is_null),
+            "{heights:?}"
+        );
+        assert!(told.contains(&"load".into()), "{told:?}");
+    }
+}

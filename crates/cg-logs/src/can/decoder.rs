@@ -182,6 +182,11 @@ impl Decoder {
         !self.is_replaced(Quantity::YawRate)
     }
 
+    /// Whether a lateral acceleration is that of VDC2, likewise.
+    pub fn has_tractor_acceleration(&self) -> bool {
+        self.vdc2 == Vdc2::Acceleration && !self.is_replaced(Quantity::LateralAcceleration)
+    }
+
     /// The rule for slope sensors.
     pub fn compensation(&self) -> Compensation {
         self.compensation

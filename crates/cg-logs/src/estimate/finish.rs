@@ -78,18 +78,10 @@ impl LogEstimator {
             verdict: Verdict::Inconsistent,
             remark: Some(format!("inconsistent: {remark}")),
         };
-        let is_used = |one: Channel| {
-            self.options.channel.is_none_or(|only| only == one) && self.engine.height(one).is_some()
-        };
-        let gravity_mps2 = self.design.gravity_mps2;
-        if let Some(remark) =
-            self.sensors.wrong_chassis((gravity_mps2, false), self.options.road, is_used)
-        {
+        if let Some(remark) = self.wrong_chassis() {
             return inconsistent(remark);
         }
-        let rolls = self.rolls.contradiction(&self.settings, self.options.second_roll_slopes);
-        let signals = rolls.or_else(|| self.sensors.lost_values());
-        let signals = signals.or_else(|| self.sensors.disagreement(gravity_mps2, false));
+        let signals = self.wrong_signal();
         if let Some(channel) = self.options.channel {
             return Together { remark: signals, ..plain(self.engine.height(channel)) };
         }
@@ -115,6 +107,22 @@ impl LogEstimator {
             Some(Combined::Impossible) => inconsistent(self.impossible()),
             other => Together { remark: signals, ..plain(other.and_then(|all| all.height())) },
         }
+    }
+
+    /// What is wrong with the signals of a chassis pair that gave a height.
+    fn wrong_chassis(&self) -> Option<String> {
+        let is_used = |one: Channel| {
+            self.options.channel.is_none_or(|only| only == one) && self.engine.height(one).is_some()
+        };
+        let gravity_mps2 = self.design.gravity_mps2;
+        self.sensors.wrong_chassis((gravity_mps2, false), self.options.road, is_used)
+    }
+
+    /// What is wrong with any other signal.
+    fn wrong_signal(&self) -> Option<String> {
+        let rolls = self.rolls.contradiction(&self.settings, self.options.second_roll_slopes);
+        let signals = rolls.or_else(|| self.sensors.lost_values());
+        signals.or_else(|| self.sensors.disagreement(self.design.gravity_mps2, false))
     }
 
     /// Whether several channels have a height.
@@ -260,6 +268,11 @@ impl LogEstimator {
             is_assumed_flat: self.options.road.is_none() && !self.is_on_road(),
             turns: Vec::new(),
             turns_sd: [0.0; CHANNELS],
+            wrong_signal: self.wrong_chassis().or_else(|| {
+                let decides = self.options.channel.is_none();
+                self.wrong_signal().filter(|_| decides)
+            }),
+            notes: self.messages(),
             messages: self.messages(),
         };
         let Together { verdict, remark, .. } = self.together();

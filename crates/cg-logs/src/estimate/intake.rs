@@ -29,7 +29,7 @@ use cg_vehicle::Vehicle;
 use cg_vehicle::belief::Belief;
 use cg_vehicle::error::VehicleError;
 use cg_vehicle::lift::LiftAxle;
-use cg_vehicle::twist_correction::TwistCorrection;
+use cg_vehicle::preparation::Preparation;
 
 /// The DC ratios identified from a log.
 #[derive(Clone, Debug, PartialEq)]
@@ -65,6 +65,10 @@ pub struct Identified {
     pub turns: Vec<String>,
     /// The part of the standard deviations, relative, that this is. It has one sign in all logs of a truck.
     pub turns_sd: [f64; CHANNELS],
+    /// What is wrong with a signal, for which an estimate has no height.
+    pub wrong_signal: Option<String>,
+    /// What is said of the whole log.
+    pub notes: Vec<String>,
     /// Messages for the user, these among them.
     pub messages: Vec<String>,
 }
@@ -100,7 +104,7 @@ pub struct LogEstimator {
     pub(super) strong: StrongTurns,
     pub(super) rated: Rated,
     pub(super) windward: Windward,
-    twist: TwistCorrection,
+    preparation: Preparation,
     pub(super) left_out: LeftOut,
     pub(super) unheard: Unheard,
     pub(super) stop: SinceStop,
@@ -175,7 +179,7 @@ impl LogEstimator {
             strong: StrongTurns::default(),
             rated: Rated::default(),
             windward: Windward::default(),
-            twist: TwistCorrection::default(),
+            preparation: Preparation::default(),
             left_out: LeftOut::default(),
             unheard: Unheard::default(),
             stop: SinceStop::default(),
@@ -233,8 +237,9 @@ impl LogEstimator {
             return Err(SampleError::TimeOrder { previous_us, time_us });
         }
         self.previous_us = Some(time_us);
-        if let Some(of) = self.options.twist_of_road() {
-            self.twist.correct(&mut sample, of, self.design.gravity_mps2);
+        if let Some(of) = &self.options.prepares {
+            let may_twist = self.options.may_twist();
+            self.preparation.prepare(&mut sample, of, may_twist, self.design.gravity_mps2);
         }
         self.rows += 1;
         self.rolls.push(row);
@@ -325,7 +330,8 @@ impl LogEstimator {
     /// Sets what the bus says of the next rows.
     pub fn heard(&mut self, on_bus: OnBus) {
         self.seen.bus_scale = on_bus.scale;
-        self.twist.has_tractor_yaw = on_bus.has_tractor_yaw;
+        self.preparation.has_tractor_yaw = on_bus.has_tractor_yaw;
+        self.preparation.has_tractor_acceleration = on_bus.has_tractor_acceleration;
     }
 
     /// The time of the log, s, of microseconds since its first row.

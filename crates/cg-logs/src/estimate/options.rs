@@ -8,7 +8,7 @@ use cg_vehicle::assumptions::has_unplaced_roll_sensor;
 use cg_vehicle::floor::Floor;
 use cg_vehicle::lean::Lean;
 use cg_vehicle::lift::LiftAxle;
-use cg_vehicle::road_twist::RoadTwist;
+use cg_vehicle::preparation::Prepares;
 use cg_vehicle::scales::Scales;
 use cg_vehicle::second_sensor::slopes;
 use cg_vehicle::side_wind::SideWind;
@@ -173,9 +173,9 @@ pub struct EstimateOptions {
     /// The side of the trailer's body, and the wind on it. `None`: it is in no interval.
     #[serde(default)]
     pub side_wind: Option<SideWind>,
-    /// What road twist does to the pairs; `None`: nothing is taken from them.
+    /// What is done to samples before they are used; `None`: nothing.
     #[serde(default)]
-    pub road_twist: Option<RoadTwist>,
+    pub prepares: Option<Prepares>,
     /// Whether the place of the roll sensor matters and is not in the vehicle file.
     pub roll_sensor_is_unplaced: bool,
     /// The floor on which a load stands, if it is known.
@@ -201,7 +201,7 @@ impl EstimateOptions {
             road,
             lean,
             side_wind,
-            road_twist: RoadTwist::of(vehicle).ok(),
+            prepares: Prepares::of(vehicle),
             roll_sensor_is_unplaced,
             floor,
             second_roll_slopes,
@@ -209,10 +209,9 @@ impl EstimateOptions {
         }
     }
 
-    /// What road twist does to the pairs, unless the road is flat.
-    pub fn twist_of_road(&self) -> Option<&RoadTwist> {
-        let is_flat = self.road.is_some_and(|road| !(road.bank_sd_rad > 0.0));
-        self.road_twist.as_ref().filter(|_| !is_flat)
+    /// Whether the road may be twisted: unless it is flat.
+    pub fn may_twist(&self) -> bool {
+        self.road.is_none_or(|road| road.bank_sd_rad > 0.0)
     }
 
     /// What is said of a maneuver with these outcomes if the place of the roll sensor is missing.
@@ -288,7 +287,7 @@ impl Default for EstimateOptions {
             basis: None,
             lean: None,
             side_wind: None,
-            road_twist: None,
+            prepares: None,
             roll_sensor_is_unplaced: false,
             floor: None,
             second_roll_slopes: None,

@@ -42,6 +42,8 @@ pub struct OnBus {
     pub scale: Option<Scale>,
     /// Whether the yaw rate is that of the tractor, as in VDC2.
     pub has_tractor_yaw: bool,
+    /// Whether the lateral acceleration is that of the path of the tractor, as in a VDC2 without gravity.
+    pub has_tractor_acceleration: bool,
 }
 
 /// Converts CAN frames to rows of a log: one row for each sample, as in `cg run`.
@@ -187,8 +189,12 @@ impl FrameRows {
 
     /// What the bus says of the last row.
     pub fn on_bus(&self) -> OnBus {
-        let has_tractor_yaw = self.hears_bus && self.sampler.decoder().has_tractor_yaw();
-        OnBus { scale: self.scale, has_tractor_yaw }
+        let decoder = self.sampler.decoder();
+        OnBus {
+            scale: self.scale,
+            has_tractor_yaw: self.hears_bus && decoder.has_tractor_yaw(),
+            has_tractor_acceleration: self.hears_bus && decoder.has_tractor_acceleration(),
+        }
     }
 
     /// The signals that rows can contain.

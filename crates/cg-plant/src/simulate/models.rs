@@ -25,6 +25,7 @@ pub(super) struct Models {
     reduced: Option<Reduced>,
     interval_s: f64,
     friction: Friction<f64>,
+    has_tractor_yaw: bool,
     /// The roll angles straight ahead.
     standing: Standing,
 }
@@ -112,7 +113,7 @@ impl Models {
                     ),
                     halves: halves(&model)?,
                     lateral_gain: model.lateral_gain()?,
-                    yaw_gain: model.steady(&model.trailer_yaw_rate, 0.0)?,
+                    yaw_gain: model.steady(&model.trailer_yaw_rate, 0.0)?, // the tractor's is the same
                 })
             }
             _ => None,
@@ -127,7 +128,8 @@ impl Models {
         } else {
             Standing::default()
         };
-        Ok(Self { at, reduced, interval_s, friction, standing })
+        let has_tractor_yaw = vehicle.sensors.has_tractor_yaw();
+        Ok(Self { at, reduced, interval_s, friction, has_tractor_yaw, standing })
     }
 
     /// Runs from rest, sample by sample.
@@ -185,6 +187,8 @@ impl Models {
             let roll_rad = held.push(linear_rad);
             // The friction of the springs holds the body, and with it both halves.
             let held_rad = roll_rad - linear_rad;
+            let [of_tractor, of_trailer] = [&model.tractor_yaw_rate, &model.trailer_yaw_rate];
+            let yaw_rate = if self.has_tractor_yaw { of_tractor } else { of_trailer };
             let motion = Motion {
                 roll_rad,
                 halves_roll_rad: model
@@ -193,7 +197,7 @@ impl Models {
                     .map(|half| half.dot(&run.state) + held_rad),
                 lateral_acceleration_mps2: model.lateral_acceleration.dot(&run.state)
                     + model.lateral_feedthrough * steer_rad,
-                yaw_rate_radps: model.trailer_yaw_rate.dot(&run.state),
+                yaw_rate_radps: yaw_rate.dot(&run.state),
                 ..still
             };
             write(time_s, motion)?;

@@ -14,6 +14,7 @@ const USUAL_ROLL_PER_DIFFERENCE: f64 = 1.0;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Signals {
     has_chassis: bool,
+    has_tractor_yaw: bool,
     gravity_mps2: f64,
     trailer_mass_kg: f64,
     /// Suspension roll per difference of the levels: trailer, tractor.
@@ -42,6 +43,7 @@ impl Signals {
         Self {
             roll_halves: vehicle.roll_halves(),
             has_chassis,
+            has_tractor_yaw: places.has_tractor_yaw(),
             gravity_mps2: vehicle.gravity_mps2,
             trailer_mass_kg,
             roll_per_difference,
@@ -76,6 +78,7 @@ impl Signals {
     /// The row of a sample.
     pub(super) fn row(&self, time_s: f64, sample: &PlantSample) -> LogRow {
         let (tractor, trailer) = (&sample.tractor, &sample.trailer);
+        let yaw = if self.has_tractor_yaw { tractor } else { trailer };
         let [roll_rad, second_roll_rad] = self.rolls_rad(trailer.roll_rad, sample.halves_roll_rad);
         let row = LogRow {
             time_s,
@@ -84,7 +87,7 @@ impl Signals {
             second_roll_rad,
             speed_mps: sample.speed_mps,
             lateral_acceleration_mps2: trailer.lateral_acceleration_mps2,
-            yaw_rate_radps: trailer.yaw_rate_radps,
+            yaw_rate_radps: yaw.yaw_rate_radps,
             trailer_mass_kg: self.trailer_mass_kg,
             ..LogRow::ABSENT
         };

@@ -65,6 +65,10 @@ pub static TABLES: &[Table] = &[
     },
     Table {
         required: false,
+        ..table(&["sensors.yaw_rate"], "the sensor of the yaw rate", YAW_RATE)
+    },
+    Table {
+        required: false,
         ..table(
             &["sensors.mass"],
             "standard deviations of the trailer mass, for each source of it",
@@ -239,6 +243,11 @@ const TRACTOR_ACCELEROMETER: &[Key] = &[
 const LEVEL: &[Key] = &[
     number("spread_m", "m", [0.5, 1.6], [0.2, 2.6], "full distance between the left and the right sensor, across the vehicle"),
     number("gain", "", [0.9, 1.1], [0.3, 3.0], "true change of the level divided by the measured one").optional(),
+];
+
+#[rustfmt::skip]
+const YAW_RATE: &[Key] = &[
+    other("on_tractor", Kind::Flag, "whether the yaw rate of logs and mapped signals is that of the tractor, from which that of the trailer then follows; that of VDC2 always is, any other one is the trailer's if the table is absent"),
 ];
 
 #[rustfmt::skip]

@@ -2,7 +2,7 @@
 
 use std::io::{self, Write};
 
-use cg_core::{HeightError, Maneuver, Reject, Sample, Settings};
+use cg_core::{HeightError, Maneuver, Memory, Reject, Sample, Settings};
 use cg_logs::estimate::{
     Engine, LeftOut, SinceStop, StrongTurns, Unheard, Weighed, Windward, is_other_load,
 };
@@ -44,9 +44,10 @@ impl<W: Write> Session<W> {
                 }
                 self.turn_kg = memory.load_mass_kg.unwrap_or(memory.trailer_mass_kg);
                 self.height_kg = self.turn_kg;
+                self.hide_again(&memory, state.height_is_doubted);
                 self.update(self.turn_kg);
                 self.unheard = Unheard::kept(self.has_height());
-                Ok(true)
+                self.tell_hidden().map(|()| true)
             }
             Some(Ok(Found::PutAside(path, reason))) => {
                 let message = format!("not used and renamed to {}: {reason}", path.display());
@@ -57,6 +58,26 @@ impl<W: Write> Session<W> {
             }
             Some(Ok(Found::Nothing)) | None => Ok(false),
         }
+    }
+
+    /// Hides a height that was hidden before a restart: that of another mass than the last one, or one that turns contradicted.
+    fn hide_again(&mut self, memory: &Memory<f64>, is_doubted: bool) {
+        let mass_kg = memory.trailer_mass_kg;
+        self.hidden_kg = memory.load_mass_kg.filter(|load_kg| is_other_load(mass_kg, *load_kg));
+        if self.hidden_kg.is_some() {
+            self.weighed_kg = Some(mass_kg);
+        }
+        self.doubted = DoubtedMass { hides: is_doubted, was_old: is_doubted, is_high: None };
+        self.known.trailer_mass_kg = mass_kg;
+    }
+
+    fn tell_hidden(&mut self) -> io::Result<()> {
+        if self.hidden_mass_kg().is_none() || self.combined().is_none() {
+            return Ok(());
+        }
+        let message = "the height that was known before the restart is that of another load than the one on the trailer, and \
+                       is not shown; the next turn gives that of the present load";
+        self.notice("load", message)
     }
 
     /// Shows no height of a load that is not on the trailer any more: of one before a restart (with the first mass of a

@@ -1,4 +1,5 @@
-//! Roads whose bank changes along the truck: the drive shows it, and `cg estimate` and `cg run` take it away.
+//! What is done to samples before they are used, in `cg estimate` and `cg run` alike: road twist, which the drive shows, is taken
+//! away, and the path of the tractor becomes that of its trailer.
 
 use std::fmt::Write as _;
 
@@ -70,4 +71,33 @@ fn a_yaw_rate_takes_road_twist_away() {
     assert!(without.iter().all(|error| *error > 4.0), "{without:?}");
     assert!(with.iter().all(|error| error.abs() < 2.5), "{with:?}");
     assert!((with[0] - with[1]).abs() < 0.5, "{with:?}");
+}
+
+/// A lane change on a bus, which has the yaw rate of the tractor in VDC2 and no other lateral motion, and in a log of it, of which
+/// the vehicle file must say it. As that of the trailer it gives no height.
+#[test]
+fn the_yaw_rate_of_the_tractor_serves_the_trailer() {
+    const LOG: [&str; 5] = ["time_s", "roll_rad", "speed_mps", "yaw_rate_radps", "trailer_mass_kg"];
+    let (scratch, plain) = (Scratch::new(), fixture("vehicles/kraz.toml"));
+    let text = std::fs::read_to_string(&plain).unwrap();
+    // Without the ratio, the angle of the steering wheel is not used.
+    let steered = scratch.file("steered.toml", format!("steering_ratio = 20.0\n{text}"));
+    let text = text + "\n[sensors.yaw_rate]\non_tractor = true\n";
+    let truck = scratch.file("truck.toml", text);
+    let change = ["--plant", "nonlinear", "--maneuver", "lane-change", "--rate-hz", "50"];
+    let change = [&change[..], &["--height-m", "1.9", "--payload-kg", "14000"]].concat();
+    let frames = scratch.simulate("bus.log", &steered, &change);
+    let log = std::fs::read_to_string(scratch.simulate("log.csv", &truck, &change)).unwrap();
+    let log = scratch.file("yaw.csv", only(&log, &LOG));
+    let by_log = errors(&log, &truck);
+    let flat = ["--vehicle", &plain, "--road", "flat"];
+    let frames_of = |command: &[&str]| cg(&[command, &flat[..]].concat());
+    let by_frames = height_m(&frames_of(&["estimate", &frames, "--format", "json"]).answer());
+    let by_run = last_height(&lines(&frames_of(&["run", "--candump", &frames])));
+    let by_bus = [by_frames, by_run].map(|height_m| 100.0 * (height_m / HEIGHT_M - 1.0));
+    for error in [by_log, by_bus].concat() {
+        assert!(error.abs() < 2.0, "{by_log:?} {by_bus:?}");
+    }
+    let answer = cg(&["estimate", &log, "--format", "json", "--vehicle", &plain]).answer();
+    assert!(answer["height_m"].is_null(), "{answer}");
 }

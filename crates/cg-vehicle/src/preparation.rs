@@ -1,0 +1,129 @@
+//! What is done to the samples of a drive before the estimator gets them: the path of the tractor becomes that of the trailer, and
+//! road twist is taken from the suspension rolls.
+
+use cg_core::{Quantity, Sample};
+use serde::{Deserialize, Serialize};
+
+use crate::road_twist::RoadTwist;
+use crate::trailer_path::{Followed, TrailerPath};
+use crate::twist_correction::{TwistCorrection, YawRates};
+use crate::vehicle::Vehicle;
+
+/// What must be known of a truck for it.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[non_exhaustive]
+pub struct Prepares {
+    /// What road twist does to the pairs.
+    pub road_twist: RoadTwist,
+    /// How the trailer follows the tractor.
+    pub trailer_path: TrailerPath,
+    /// Whether the vehicle file says that the yaw rate is that of the tractor.
+    pub has_tractor_yaw: bool,
+}
+
+impl Prepares {
+    /// For a vehicle; `None` if it has no equations.
+    pub fn of(vehicle: &Vehicle) -> Option<Self> {
+        Some(Self {
+            road_twist: RoadTwist::of(vehicle).ok()?,
+            trailer_path: TrailerPath::of(vehicle).ok()?,
+            has_tractor_yaw: vehicle.sensors.has_tractor_yaw(),
+        })
+    }
+}
+
+/// Prepares the samples of a drive.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub struct Preparation {
+    /// Whether the yaw rate is that of the tractor because of where it comes from.
+    pub has_tractor_yaw: bool,
+    /// Whether the lateral acceleration is that of the tractor's path, likewise.
+    pub has_tractor_acceleration: bool,
+    speed_mps: f64,
+    /// The yaw rate of the trailer.
+    yaw: Followed,
+    /// The yaw rate which times the speed is the lateral acceleration of the trailer.
+    path: Followed,
+    acceleration: Followed,
+    twist: TwistCorrection,
+}
+
+impl Preparation {
+    /// Prepares a sample. `may_twist`: whether the road may be twisted.
+    pub fn prepare(
+        &mut self,
+        sample: &mut Sample<f64>,
+        of: &Prepares,
+        may_twist: bool,
+        gravity_mps2: f64,
+    ) {
+        if Quantity::Speed.plausible(sample.speed_mps) {
+            self.speed_mps = sample.speed_mps;
+        }
+        let (time_us, speed_mps, path) = (sample.time_us, self.speed_mps, &of.trailer_path);
+        let measured_radps = sample.yaw_rate_radps;
+        let mut yaw_rates = YawRates { tractor_radps: None, trailer_radps: measured_radps };
+        let is_of_tractor = self.has_tractor_yaw || of.has_tractor_yaw;
+        if is_of_tractor && Quantity::YawRate.plausible(measured_radps) {
+            yaw_rates = YawRates {
+                tractor_radps: Some(measured_radps),
+                trailer_radps: self.yaw.follow(time_us, measured_radps, speed_mps, &path.yaw),
+            };
+            sample.yaw_rate_radps =
+                self.path.follow(time_us, measured_radps, speed_mps, &path.acceleration);
+        }
+        let lateral_mps2 = &mut sample.lateral_acceleration_mps2;
+        if self.has_tractor_acceleration && Quantity::LateralAcceleration.plausible(*lateral_mps2) {
+            *lateral_mps2 =
+                self.acceleration.follow(time_us, *lateral_mps2, speed_mps, &path.acceleration);
+        }
+        if may_twist {
+            self.twist.correct(sample, speed_mps, yaw_rates, &of.road_twist, gravity_mps2);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::guide::{TruckKind, template};
+
+    /// The last of some samples of a step in both inputs, prepared.
+    fn last(of: &Prepares, mut preparation: Preparation, yaw_radps: f64) -> Sample<f64> {
+        let samples = (0..10_u64).map(|k| {
+            let mut sample = Sample::absent(k * 20_000);
+            (sample.speed_mps, sample.yaw_rate_radps) = (if k == 0 { 15.0 } else { f64::NAN }, 0.0);
+            sample.lateral_acceleration_mps2 = 0.0;
+            if k > 0 {
+                (sample.yaw_rate_radps, sample.lateral_acceleration_mps2) = (yaw_radps, 1.0);
+            }
+            preparation.prepare(&mut sample, of, true, 9.81);
+            sample
+        });
+        samples.last().unwrap()
+    }
+
+    /// Only what is measured on the tractor is another one on the trailer, and that later.
+    #[test]
+    fn what_the_tractor_measures_becomes_that_of_the_trailer() {
+        let text = template(TruckKind::FourByTwoThreeAxle);
+        let of = Prepares::of(&Vehicle::parse(&text, "truck").unwrap()).unwrap();
+        let text = text + "\n[sensors.yaw_rate]\non_tractor = true\n";
+        let by_file = Prepares::of(&Vehicle::parse(&text, "truck").unwrap()).unwrap();
+        let (plain, mut on_bus) = (Preparation::default(), Preparation::default());
+        on_bus.has_tractor_yaw = true;
+        let same = last(&of, plain.clone(), 0.1);
+        assert_eq!([same.yaw_rate_radps, same.lateral_acceleration_mps2], [0.1, 1.0]);
+        for sample in [last(&by_file, plain.clone(), 0.1), last(&of, on_bus.clone(), 0.1)] {
+            assert!(sample.yaw_rate_radps > 0.0 && sample.yaw_rate_radps < 0.05, "{sample:?}");
+            assert_eq!(sample.lateral_acceleration_mps2, 1.0);
+        }
+        let accelerated = Preparation { has_tractor_acceleration: true, ..plain };
+        let sample = last(&of, accelerated, 0.1);
+        assert_eq!(sample.yaw_rate_radps, 0.1);
+        let lateral_mps2 = sample.lateral_acceleration_mps2;
+        assert!(lateral_mps2 > 0.0 && lateral_mps2 < 0.5, "{sample:?}");
+        // An impossible value stays for the estimator to leave out, and does not enter the others.
+        assert_eq!(last(&of, on_bus, 1e300).yaw_rate_radps, 1e300);
+    }
+}
