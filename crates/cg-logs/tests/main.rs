@@ -15,5 +15,6 @@ mod learn;
 mod log;
 mod mass_in_turns;
 mod shapes;
+mod spikes;
 mod twisting_frame;
 mod uncertain_runs;

@@ -92,11 +92,35 @@ def test_trips_are_whole_however_their_rows_arrive(rows):
     found = list(_complete_trips(iter(table.to_batches(rows)), "trip", "t"))
     assert all(found)
     trips = [trip for complete in found for trip in complete]
-    assert [name for name, _ in trips] == ["a", "None", "b", "c"]
+    assert [name for name, _ in trips] == ["a", None, "b", "c"]
+    # Rows without a trip are none.
+    _, no_log = trips.pop(1)
+    with pytest.raises(ValueError, match="the column trip is null in 1 rows"):
+        raise no_log
     assert [log["x"].tolist() for _, log in trips] == [
-        [1, 2, 0, 3], [4], [5, 6, 7, 8, 9], [12, 11, 10],
+        [1, 2, 0, 3], [5, 6, 7, 8, 9], [12, 11, 10],
     ]  # fmt: skip
     assert all(list(log) == ["t", "x"] for _, log in trips)
+
+
+def test_a_text_is_no_missing_name():
+    table = pa.table({"trip": ["None", None, "None"], "t": [1.0, 2.0, 3.0]})
+    found = _complete_trips(iter(table.to_batches()), "trip", "t")
+    assert [name for trips in found for name, _ in trips] == ["None", None, "None"]
+
+
+def test_rows_without_a_trip_and_text_that_is_numbers(spark, kraz):
+    log = FIXTURES / "logs" / "A_p20_h190_v50_L.csv"
+    text = pd.read_csv(log, dtype=str)
+    both = pd.concat([text.assign(trip="text"), text.assign(trip=None)])
+    names = list(both)
+    kinds = ", ".join(f"{name} string" for name in names)
+    table = spark.createDataFrame(both.to_numpy().tolist(), kinds)
+    found = {row.log: row for row in estimate_trips(table, vehicle=kraz).collect()}
+    assert found["text"].height_m == cgheight.estimate_log(log, vehicle=kraz).height_m
+    count = len(text)
+    assert found[None].status == "rejected"
+    assert f"the column trip is null in {count} rows" in found[None].messages
 
 
 def test_a_partition_without_rows_has_no_trips():
@@ -127,12 +151,13 @@ def test_columns_that_may_be_signals_are_kept_in_the_order_of_time():
         "stamp": numbers.cast(pa.timestamp("us")),
         "duration": numbers.cast(pa.duration("us")),
         "text": times,
+        "note": [f"row {k}" for k in range(count)],
         "flag": [True] * count,
     })  # fmt: skip
     [[(name, log)]] = _complete_trips(iter(table.to_batches()), "trip", "t")
     assert name == "7"
-    assert list(log) == ["t", "float", "integer", "decimal", "stamp", "duration"]
-    assert log["t"].tolist() == ["0"] * 20 + ["1"] * 20
+    assert list(log) == ["t", "float", "integer", "decimal", "stamp", "duration", "text"]
+    assert log["t"].tolist() == [0.0] * 20 + [1.0] * 20
     for kept in ("float", "integer", "decimal"):
         assert [int(x) for x in log[kept]] == [*range(1, count, 2), *range(0, count, 2)]
 

@@ -94,6 +94,7 @@ pub mod side_wind;
 pub mod road_twist;
 pub mod trailer_path;
 mod twist_correction;
+mod spikes;
 pub mod preparation;
 pub mod friction;
 mod articulation;

@@ -1,10 +1,11 @@
-//! What is done to the samples of a drive before the estimator gets them: the path of the tractor becomes that of the trailer, and
-//! road twist is taken from the suspension rolls.
+//! What is done to the samples of a drive before the estimator gets them: spikes are left out, the path of the tractor becomes that
+//! of the trailer, and road twist is taken from the suspension rolls.
 
 use cg_core::{Quantity, Sample};
 use serde::{Deserialize, Serialize};
 
 use crate::road_twist::RoadTwist;
+use crate::spikes::Spikes;
 use crate::trailer_path::{Followed, TrailerPath};
 use crate::twist_correction::{TwistCorrection, YawRates};
 use crate::vehicle::Vehicle;
@@ -46,9 +47,22 @@ pub struct Preparation {
     path: Followed,
     acceleration: Followed,
     twist: TwistCorrection,
+    spikes: Spikes,
 }
 
 impl Preparation {
+    /// What is said of spikes that were left out.
+    pub fn spikes(&self) -> Option<String> {
+        let count = self.spikes.count;
+        (count > 0).then(|| {
+            let (noun, jump) = if count > 1 { ("angles", "jump") } else { ("angle", "jumps") };
+            format!(
+                "{count} {noun} (roll or steer) {jump} by more than 7 degrees from one row to the next, and not to stay, and \
+                 were left out: check the sensor and its wires"
+            )
+        })
+    }
+
     /// Prepares a sample. `may_twist`: whether the road may be twisted.
     pub fn prepare(
         &mut self,
@@ -57,6 +71,7 @@ impl Preparation {
         may_twist: bool,
         gravity_mps2: f64,
     ) {
+        self.spikes.leave_out(sample);
         if Quantity::Speed.plausible(sample.speed_mps) {
             self.speed_mps = sample.speed_mps;
         }

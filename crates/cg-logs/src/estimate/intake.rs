@@ -104,7 +104,7 @@ pub struct LogEstimator {
     pub(super) strong: StrongTurns,
     pub(super) rated: Rated,
     pub(super) windward: Windward,
-    preparation: Preparation,
+    pub(super) preparation: Preparation,
     pub(super) left_out: LeftOut,
     pub(super) unheard: Unheard,
     pub(super) stop: SinceStop,

@@ -89,6 +89,7 @@ impl LogEstimator {
         messages.extend(unplaced.find_map(|found| found).map(str::to_owned));
         messages.extend(self.leaning.message(self.options.lean, self.turns_mass_kg()));
         messages.extend(self.changed());
+        messages.extend(self.preparation.spikes());
         if self.absent_rows > 0 {
             messages.push(format!(
                 "{} of {} rows have no roll angle or no input and were left out",

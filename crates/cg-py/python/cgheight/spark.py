@@ -11,11 +11,13 @@ from __future__ import annotations
 import json
 import pickle
 from collections.abc import Callable, Iterator, Mapping
+from contextlib import suppress
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 from cgheight import _native
 from cgheight._batch import Estimates
+from cgheight._columns import SIGNALS
 from cgheight._estimate import estimate_log
 from cgheight._learn import learned
 from cgheight._results import rejected
@@ -61,9 +63,10 @@ _COLUMNS = {
 # The columns of what trips teach.
 _LEARNED = {"log": "string", "trips": "bigint", "learned": "string", "messages": "string"}
 
-# The rows of some logs (name and log), for a truck and the keywords of `estimate_log` or
-# `learn_log`.
-_Rows = Callable[[_native.Vehicle, list[tuple[str, Any]], Mapping[str, Any]], list[dict[str, Any]]]
+# The name of a log, which rows of a table may lack, and the log.
+_Trip = tuple[str | None, Any]
+# The rows of some logs, for a truck and the keywords of `estimate_log` or `learn_log`.
+_Rows = Callable[[_native.Vehicle, list[_Trip], Mapping[str, Any]], list[dict[str, Any]]]
 
 
 # What a worker does with its part of a table.
@@ -77,28 +80,36 @@ def _truck(pickled: bytes) -> _native.Vehicle:
     return vehicle
 
 
+def _readable(log: Any) -> Any:
+    """Return a log, or raise the reason why it is none."""
+    if isinstance(log, ValueError):
+        raise log
+    return log
+
+
 def _estimated(
-    truck: _native.Vehicle, logs: list[tuple[str, Any]], options: Mapping[str, Any]
+    truck: _native.Vehicle, logs: list[_Trip], options: Mapping[str, Any]
 ) -> list[dict[str, Any]]:
     """Estimate logs: one row for each log, even if it cannot be read."""
     answers = []
     for _, log in logs:
         try:
-            answers.append(estimate_log(log, vehicle=truck, **options))
+            answers.append(estimate_log(_readable(log), vehicle=truck, **options))
         except (OSError, ValueError) as error:
             mass_kg = truck.reference_trailer_mass_kg
             answers.append(rejected(str(error), mass_kg, dict(options)))
-    return Estimates(tuple(name for name, _ in logs), tuple(answers)).to_rows()
+    rows = Estimates(tuple(str(name) for name, _ in logs), tuple(answers)).to_rows()
+    return [row | {"log": name} for row, (name, _) in zip(rows, logs, strict=True)]
 
 
 def _taught(
-    truck: _native.Vehicle, logs: list[tuple[str, Any]], options: Mapping[str, Any]
+    truck: _native.Vehicle, logs: list[_Trip], options: Mapping[str, Any]
 ) -> list[dict[str, Any]]:
     """Learn from logs: one row for each log, even if it cannot be read."""
     rows = []
     for name, log in logs:
         try:
-            text, messages = learned(log, truck, **options)
+            text, messages = learned(_readable(log), truck, **options)
         except (OSError, ValueError) as error:
             rows.append({"log": name, "trips": 0, "learned": None, "messages": str(error)})
             continue
@@ -116,9 +127,7 @@ def _schema(rows: _Rows) -> str:
     return ", ".join(f"{name} {kind}" for name, kind in _columns_of(rows).items())
 
 
-def _table(
-    rows: _Rows, pickled: bytes, logs: list[tuple[str, Any]], options: Mapping[str, Any]
-) -> pa.Table:
+def _table(rows: _Rows, pickled: bytes, logs: list[_Trip], options: Mapping[str, Any]) -> pa.Table:
     """Return the rows of some logs on a worker."""
     import pyarrow as pa
 
@@ -232,30 +241,40 @@ def _trip_worker(
 
 def _complete_trips(
     batches: Iterator[pa.RecordBatch], trip: str, time: str
-) -> Iterator[list[tuple[str, dict[str, Any]]]]:
+) -> Iterator[list[_Trip]]:
     """Return the trips that end in each batch, with their columns in the order of time.
 
-    The rows of a trip follow each other, in one batch or several.
+    The rows of a trip follow each other, in one batch or several. Rows without a trip may be of
+    many, and are none.
     """
     import pyarrow.compute as pc
 
-    name = ""
+    def complete_trip() -> _Trip:
+        if name is None:
+            rows = sum(piece.num_rows for piece in pieces)
+            return None, ValueError(
+                f"the column {trip} is null in {rows} rows, so nothing says of which trips they are"
+            )
+        return name, _columns_in_time(pieces, time)
+
+    name: str | None = ""
     pieces: list[pa.RecordBatch] = []
     for batch in batches:
         signals = batch.drop_columns([trip])
         runs = pc.run_end_encode(batch.column(trip))
         complete, start = [], 0
         for value, end in zip(runs.values.to_pylist(), runs.run_ends.to_pylist(), strict=True):
-            if pieces and str(value) != name:
-                complete.append((name, _columns_in_time(pieces, time)))
+            of_value = None if value is None else str(value)
+            if pieces and of_value != name:
+                complete.append(complete_trip())
                 pieces = []
-            name = str(value)
+            name = of_value
             pieces.append(signals.slice(start, end - start))
             start = end
         if complete:
             yield complete
     if pieces:
-        yield [(name, _columns_in_time(pieces, time))]
+        yield [complete_trip()]
 
 
 def _columns_in_time(pieces: list[pa.RecordBatch], time: str) -> dict[str, Any]:
@@ -263,11 +282,15 @@ def _columns_in_time(pieces: list[pa.RecordBatch], time: str) -> dict[str, Any]:
     import pyarrow as pa
 
     rows = pa.Table.from_batches(pieces)
-    columns = {
-        name: rows.column(name).to_numpy()
-        for name, kind in zip(rows.column_names, rows.schema.types, strict=True)
-        if _has_values(kind) or name == time
-    }
+    columns = {}
+    for name, kind in zip(rows.column_names, rows.schema.types, strict=True):
+        column = rows.column(name)
+        if pa.types.is_string(kind):
+            # Numbers as text, as of a CSV file without a schema; other text is no signal.
+            with suppress(pa.ArrowInvalid):
+                column = column.cast(pa.float64())
+        if _has_values(column.type) or name in (time, *SIGNALS):
+            columns[name] = column.to_numpy()
     when = columns[time]
     if np.all(when[1:] >= when[:-1]):
         return columns

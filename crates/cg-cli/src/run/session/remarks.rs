@@ -31,7 +31,8 @@ impl<W: Write> Session<W> {
         if let Some(message) = self.sensors.news() {
             self.notice("signal", &message)?;
         }
-        Ok(())
+        let spikes: Vec<_> = self.preparation.spikes().into_iter().collect();
+        self.notice_of_load("signal", &spikes)
     }
 
     /// Reports something of a load, once for each.
