@@ -105,8 +105,7 @@ pub fn calibrate_with_trips<E: From<VehicleError>>(
             runs.push(run);
             turns_sd.push(identified.turns_sd);
         }
-        count_together(&mut runs, &turns_sd);
-        count_once(&mut runs, logs);
+        count_together(&mut runs, &turns_sd, logs);
         forget_given(&mut trips, &runs);
         runs.extend_from_slice(&trips);
         let fitted = fit(vehicle, variant, procedure, &runs)?;
@@ -279,7 +278,8 @@ fn is_same_log(one: &str, other: &str) -> bool {
 
 /// What strong, tight and unsteady turns make of ratios has one sign in all runs, and does not average out: of as many runs as
 /// have it, each counts for that much less, so that all together have it once.
-fn count_together(runs: &mut [Run], turns_sd: &[[f64; CHANNELS]]) {
+fn count_together(runs: &mut [Run], turns_sd: &[[f64; CHANNELS]], logs: &[KnownLog]) {
+    count_once(runs, logs);
     for channel in 0..CHANNELS {
         let have = |(run, sd): (&Run, &[f64; CHANNELS])| run.ratio[channel].map(|_| sd[channel]);
         let sds: Vec<_> = runs.iter().zip(turns_sd).filter_map(have).collect();
@@ -335,23 +335,8 @@ pub fn run(
     run_of(Positions::of(vehicle)?.at(identified.lift_axle)?, known, &identified)
 }
 
-fn run_of(
-    vehicle: &Vehicle,
-    known: &KnownLog,
-    identified: &Identified,
-) -> Result<Run, VehicleError> {
-    if known.load == KnownLoad::Empty
-        && let Some(mass_kg) = identified.logged_mass_kg
-    {
-        let empty_kg = vehicle.empty_trailer_mass_kg();
-        if !((mass_kg / empty_kg - 1.0).abs() <= EMPTY_SHARE) {
-            return Err(VehicleError::Model(format!(
-                "{}: the mass in the log is {mass_kg:.0} kg, but an empty trailer has {empty_kg:.0} kg; \
-                 give the height and the mass of its load instead of \"empty\"",
-                known.log
-            )));
-        }
-    }
+/// Checks that a log can be a run: signals, one load, one position of the lift axles, and a mass.
+fn check_log(known: &KnownLog, identified: &Identified) -> Result<(), VehicleError> {
     if let Some(wrong) = &identified.wrong_signal {
         return Err(VehicleError::Model(format!(
             "{}: {wrong}; an estimate of this log has no height, and later ones would rest on it: correct the signal and record the \
@@ -381,6 +366,27 @@ fn run_of(
             known.log
         )));
     }
+    Ok(())
+}
+
+fn run_of(
+    vehicle: &Vehicle,
+    known: &KnownLog,
+    identified: &Identified,
+) -> Result<Run, VehicleError> {
+    if known.load == KnownLoad::Empty
+        && let Some(mass_kg) = identified.logged_mass_kg
+    {
+        let empty_kg = vehicle.empty_trailer_mass_kg();
+        if !((mass_kg / empty_kg - 1.0).abs() <= EMPTY_SHARE) {
+            return Err(VehicleError::Model(format!(
+                "{}: the mass in the log is {mass_kg:.0} kg, but an empty trailer has {empty_kg:.0} kg; \
+                 give the height and the mass of its load instead of \"empty\"",
+                known.log
+            )));
+        }
+    }
+    check_log(known, identified)?;
     if identified.ratio.iter().all(Option::is_none) {
         return Err(VehicleError::Model(format!(
             "{}: no ratio can be identified: {}",
@@ -440,11 +446,12 @@ mod tests {
         let both = f64::hypot(0.03, 0.04);
         let turns = |share: f64| [share * 0.04, 0.0, 0.0, 0.0];
         let mut runs = vec![run(Some(both)), run(Some(both)), run(Some(both)), run(Some(both))];
-        count_together(&mut runs, &[turns(1.0); 4]);
+        count_together(&mut runs, &[turns(1.0); 4], &[]);
         assert!((of_mean(&runs) / f64::hypot(0.015, 0.04) - 1.0).abs() < 1e-12);
 
         let mut runs = vec![run(Some(both)), run(Some(0.03)), run(Some(0.05)), run(None)];
-        count_together(&mut runs, &[turns(1.0), turns(0.0), turns(0.25), turns(1.0)]);
+        let turns = [turns(1.0), turns(0.0), turns(0.25), turns(1.0)];
+        count_together(&mut runs, &turns, &[]);
         let found: Vec<_> = runs.iter().map(|run| run.ratio[0].map(|one| one.sd / 2.0)).collect();
         let [Some(one), Some(none), Some(less), None] = found[..] else { panic!("{found:?}") };
         assert!((one - (0.03_f64.powi(2) + 1.25 * 0.04_f64.powi(2)).sqrt()).abs() < 1e-15);

@@ -17,6 +17,9 @@ fn estimate(change: impl Fn(usize, &mut LogRow)) -> LogEstimate {
     estimator.finish()
 }
 
+/// What makes a row wrong.
+type Set = fn(&mut LogRow);
+
 /// One roll or steer angle in a log is wrong, in straight driving or in the turn, or ten in a row are. The height is as without them to a
 /// tenth of its uncertainty, and a message says how many were left out.
 #[test]
@@ -25,7 +28,6 @@ fn a_spike_is_left_out() {
     let (height_m, sd_m) = (whole.height_m.unwrap(), whole.height_sd_m.unwrap());
     let is_of = |one: &String| one.contains("7 degrees from one row to the next");
     assert!(!whole.messages.iter().any(is_of), "{:?}", whole.messages);
-    type Set = fn(&mut LogRow);
     let wrong: [Set; 4] = [
         |row| row.roll_rad = 0.3,
         |row| row.roll_rad = -0.9,

@@ -90,4 +90,12 @@ mod _native {
     #[pymodule_export]
     #[allow(non_upper_case_globals)] // its name in Python
     const __version__: &str = env!("CARGO_PKG_VERSION");
+
+    /// Loads the interface of NumPy now: the first array would load it, and panic if Ctrl-C was pressed before.
+    #[pymodule_init]
+    #[allow(clippy::unnecessary_wraps)] // PyO3 wants a result
+    fn init(module: &pyo3::Bound<'_, pyo3::types::PyModule>) -> pyo3::PyResult<()> {
+        numpy::PyArray1::<f64>::zeros(module.py(), 0, false);
+        Ok(())
+    }
 }

@@ -30,6 +30,7 @@ pub(crate) fn simulate_log<'py>(
     }
     let simulation = request.simulation(py, &simulated)?;
     let rows = py.detach(|| simulation.rows());
+    py.check_signals()?; // Ctrl-C during the simulation
     let truth =
         serde_json::to_string(&simulation.truth).map_err(|error| value_error(error.to_string()))?;
     let table = PyDict::new(py);

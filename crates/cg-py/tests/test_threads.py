@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 import threading
 import time
 from concurrent.futures import ThreadPoolExecutor
@@ -81,3 +83,21 @@ def test_other_threads_go_on_while_a_loop_runs(work, kraz, turn):
     # A loop that blocked the interpreter would stop this thread for nearly all of its time.
     assert whole > 0.2
     assert longest < 0.5 * whole
+
+
+def test_ctrl_c_ends_a_simulation_without_a_panic():
+    """In a process of its own, whose first array from the library comes after Ctrl-C."""
+    script = f"""
+import os, signal, threading
+import cgheight
+truck = cgheight.Vehicle.load({str(FIXTURES / "vehicles" / "kraz.toml")!r})
+drive = cgheight.Scenario("drive", plant="nonlinear", duration_s=300)
+press = threading.Timer(0.2, os.kill, (os.getpid(), signal.SIGINT))
+press.start()
+try:
+    cgheight.simulate(truck, drive)
+except KeyboardInterrupt:
+    print("ended")
+"""
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True)
+    assert (done.stdout, done.stderr, done.returncode) == ("ended\n", "", 0)

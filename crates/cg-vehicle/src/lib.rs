@@ -22,7 +22,9 @@
 //! | [`system`], [`response`] | linear systems, transfer functions, poles, zeros, time histories | eqs. 4.61, 4.62 |
 //! | [`equations`], [`linear`] | equations of motion (also of a frame that twists), analytic DC ratio | ch. 3, 4, eq. 5.17 |
 //! | [`wind`], [`side_wind`] | the side of the trailer's body, and what a side wind does to its roll | – |
-//! | [`road_twist`], [`twist_correction`] | what a bank that changes along the truck does to its pairs, and the samples without it | – |
+//! | [`road_twist`] | what a bank that changes along the truck does to its pairs | – |
+//! | [`trailer_path`] | the path of the trailer from the yaw rate of the tractor | – |
+//! | [`preparation`] | what is done to samples before they are used: spikes, the tractor's path, road twist | – |
 //! | [`lean`] | the roll angle of a trailer whose load stands beside the middle | – |
 //! | [`reduction`] | the reduced 5th-order model and its error | section 5.5 |
 //! | [`compensation`] | the compensation F(s) between two responses | section 5.4 |

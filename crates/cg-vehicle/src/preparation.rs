@@ -127,18 +127,19 @@ mod tests {
         let by_file = Prepares::of(&Vehicle::parse(&text, "truck").unwrap()).unwrap();
         let (plain, mut on_bus) = (Preparation::default(), Preparation::default());
         on_bus.has_tractor_yaw = true;
+        let is_same = |found: f64, measured: f64| found.to_bits() == measured.to_bits();
         let same = last(&of, plain.clone(), 0.1);
-        assert_eq!([same.yaw_rate_radps, same.lateral_acceleration_mps2], [0.1, 1.0]);
+        assert!(is_same(same.yaw_rate_radps, 0.1) && is_same(same.lateral_acceleration_mps2, 1.0));
         for sample in [last(&by_file, plain.clone(), 0.1), last(&of, on_bus.clone(), 0.1)] {
             assert!(sample.yaw_rate_radps > 0.0 && sample.yaw_rate_radps < 0.05, "{sample:?}");
-            assert_eq!(sample.lateral_acceleration_mps2, 1.0);
+            assert!(is_same(sample.lateral_acceleration_mps2, 1.0), "{sample:?}");
         }
         let accelerated = Preparation { has_tractor_acceleration: true, ..plain };
         let sample = last(&of, accelerated, 0.1);
-        assert_eq!(sample.yaw_rate_radps, 0.1);
+        assert!(is_same(sample.yaw_rate_radps, 0.1), "{sample:?}");
         let lateral_mps2 = sample.lateral_acceleration_mps2;
         assert!(lateral_mps2 > 0.0 && lateral_mps2 < 0.5, "{sample:?}");
         // An impossible value stays for the estimator to leave out, and does not enter the others.
-        assert_eq!(last(&of, on_bus, 1e300).yaw_rate_radps, 1e300);
+        assert!(is_same(last(&of, on_bus, 1e300).yaw_rate_radps, 1e300));
     }
 }

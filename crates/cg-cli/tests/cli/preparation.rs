@@ -100,4 +100,8 @@ fn the_yaw_rate_of_the_tractor_serves_the_trailer() {
     }
     let answer = cg(&["estimate", &log, "--format", "json", "--vehicle", &plain]).answer();
     assert!(answer["height_m"].is_null(), "{answer}");
+    assert!(
+        answer["messages"].to_string().contains("or the yaw rate is that of the tractor"),
+        "{answer}"
+    );
 }

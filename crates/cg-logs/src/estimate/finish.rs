@@ -247,12 +247,9 @@ impl LogEstimator {
         Some(Measured { value: compensation * line.ratio_at(h), sd })
     }
 
-    /// Ends the log and returns its DC ratios, also if the heights are impossible. The ratios are
-    /// fused over the maneuvers and refer to the mean speed and trailer mass in the result.
-    pub fn identified(mut self) -> Identified {
-        self.end();
-        let mass_kg = self.turns_mass_kg();
-        let mut identified = Identified {
+    /// What is identified beside the ratios.
+    fn without_ratios(&self, mass_kg: f64) -> Identified {
+        Identified {
             speed_mps: self.mean_speed_mps(&Channel::ALL).unwrap_or(f64::NAN),
             turn_g: self.strong.usual_g(self.design.gravity_mps2),
             trailer_mass_kg: mass_kg,
@@ -274,7 +271,15 @@ impl LogEstimator {
             }),
             notes: self.messages(),
             messages: self.messages(),
-        };
+        }
+    }
+
+    /// Ends the log and returns its DC ratios, also if the heights are impossible. The ratios are
+    /// fused over the maneuvers and refer to the mean speed and trailer mass in the result.
+    pub fn identified(mut self) -> Identified {
+        self.end();
+        let mass_kg = self.turns_mass_kg();
+        let mut identified = self.without_ratios(mass_kg);
         let Together { verdict, remark, .. } = self.together();
         if verdict != Verdict::Rejected {
             identified.messages.splice(0..0, remark);

@@ -1,6 +1,6 @@
 //! Messages that explain a height or its absence.
 
-use cg_core::{Channel, Height, Inconsistency, Maneuver, Measured, Reject};
+use cg_core::{Channel, Height, Inconsistency, Maneuver, Measured, Quantity, Reject};
 
 use super::diagnosis::Evidence;
 use super::intake::LogEstimator;
@@ -33,8 +33,25 @@ impl LogEstimator {
             None => "rejected: unexcited, the log contains no turn (at least 0.5 m/s² of lateral \
                      acceleration); record a drive with turns"
                 .to_owned(),
-            Some(last) => format!("rejected: {last}{}", self.or_lighter(rejects.last())),
+            Some(last) => {
+                let or_else =
+                    [self.or_lighter(rejects.last()), self.or_ahead(shown, rejects.last())];
+                format!("rejected: {last}{}", or_else.concat())
+            }
         }
+    }
+
+    /// What else a roll angle that comes after its input may be, if that is a yaw rate.
+    fn or_ahead(&self, shown: Channel, last: Option<&Reject<f64>>) -> String {
+        let is_misfit = matches!(last, Some(Reject::Inconsistent(Inconsistency::Misfit { .. })));
+        let by_yaw = shown == Channel::LateralAcceleration
+            && self.seen.has(Quantity::YawRate)
+            && !self.seen.has(Quantity::LateralAcceleration);
+        let of_file = self.options.prepares.is_some_and(|truck| truck.has_tractor_yaw);
+        let is_trailers = !self.preparation.has_tractor_yaw && !of_file;
+        let told = is_misfit && by_yaw && is_trailers;
+        let text = "; or the yaw rate is that of the tractor: [sensors.yaw_rate] in the vehicle file says so";
+        if told { text.to_owned() } else { String::new() }
     }
 
     /// What else a roll angle that seems to stand still may be if no mass is known.

@@ -15,6 +15,7 @@ use cg_vehicle::lean::Standing;
 use cg_vehicle::reduction::reduce;
 use cg_vehicle::response::StateSpace;
 use cg_vehicle::{Variant, Vehicle};
+use nalgebra::DVector;
 
 /// For a changing speed there is one model for each 0.1 m/s, which is at most 1 % of the gain at 20 m/s.
 const SPEED_STEP_MPS: f64 = 0.1;
@@ -132,6 +133,11 @@ impl Models {
         Ok(Self { at, reduced, interval_s, friction, has_tractor_yaw, standing })
     }
 
+    /// The yaw rate that the sensor shows, as a row on the state.
+    fn yaw_rate<'a>(&self, model: &'a StateSpace) -> &'a DVector<f64> {
+        if self.has_tractor_yaw { &model.tractor_yaw_rate } else { &model.trailer_yaw_rate }
+    }
+
     /// Runs from rest, sample by sample.
     pub(super) fn run<E>(
         &self,
@@ -187,8 +193,6 @@ impl Models {
             let roll_rad = held.push(linear_rad);
             // The friction of the springs holds the body, and with it both halves.
             let held_rad = roll_rad - linear_rad;
-            let [of_tractor, of_trailer] = [&model.tractor_yaw_rate, &model.trailer_yaw_rate];
-            let yaw_rate = if self.has_tractor_yaw { of_tractor } else { of_trailer };
             let motion = Motion {
                 roll_rad,
                 halves_roll_rad: model
@@ -197,7 +201,7 @@ impl Models {
                     .map(|half| half.dot(&run.state) + held_rad),
                 lateral_acceleration_mps2: model.lateral_acceleration.dot(&run.state)
                     + model.lateral_feedthrough * steer_rad,
-                yaw_rate_radps: yaw_rate.dot(&run.state),
+                yaw_rate_radps: self.yaw_rate(model).dot(&run.state),
                 ..still
             };
             write(time_s, motion)?;

@@ -150,11 +150,12 @@ class TransferFunction:
     def _at(self, points: _ComplexArray) -> _ComplexArray:
         # Multiply and divide in turn, so that neither product overflows.
         value = np.full(points.shape, self.gain, dtype=complex)
-        for k in range(max(len(self.zeros), len(self.poles))):
-            if k < len(self.zeros):
-                value *= points - self.zeros[k]
-            if k < len(self.poles):
-                value /= points - self.poles[k]
+        with np.errstate(divide="ignore", invalid="ignore"):  # at a pole it is infinite
+            for k in range(max(len(self.zeros), len(self.poles))):
+                if k < len(self.zeros):
+                    value *= points - self.zeros[k]
+                if k < len(self.poles):
+                    value /= points - self.poles[k]
         return value
 
     def to_control(self) -> Any:
