@@ -119,7 +119,7 @@ pub(crate) fn run(arguments: &SimulateArgs, files: Files) -> anyhow::Result<Outc
     let file = truck::load(&arguments.vehicle)?;
     let mut vehicle = arguments.lift.of(&file)?;
     if is_candump(&arguments.output) {
-        vehicle.sensors = vehicle.sensors.with_tractor_yaw(); // as in VDC2
+        vehicle.sensors = vehicle.sensors.on_bus();
     }
     let simulation = simulation(arguments, &vehicle)?;
     let position = file.has_lift_axle().then(|| arguments.lift.lift_axle.unwrap_or_default());

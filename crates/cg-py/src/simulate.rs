@@ -15,7 +15,7 @@ use crate::vehicle::Vehicle;
 type Simulated<'py> = (Bound<'py, PyDict>, String, Option<Bound<'py, PyDict>>);
 
 /// Simulate a log: a dict of columns, the truth as JSON, and on a road a dict of the places. The yaw rate is where the
-/// vehicle has its sensor, or `on_bus` that of the tractor.
+/// vehicle has its sensor, `on_bus` on the tractor if it does not say.
 #[pyfunction]
 #[pyo3(signature = (vehicle, request, /, *, on_bus = false))]
 pub(crate) fn simulate_log<'py>(
@@ -26,7 +26,7 @@ pub(crate) fn simulate_log<'py>(
 ) -> PyResult<Simulated<'py>> {
     let mut simulated = vehicle.get().inner.clone();
     if on_bus {
-        simulated.sensors = simulated.sensors.with_tractor_yaw();
+        simulated.sensors = simulated.sensors.on_bus();
     }
     let simulation = request.simulation(py, &simulated)?;
     let rows = py.detach(|| simulation.rows());

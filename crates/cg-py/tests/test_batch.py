@@ -44,6 +44,10 @@ def test_a_log_that_cannot_be_read_raises_or_is_rejected(kraz, tmp_path):
     frame = batch.to_frame()
     assert frame.height_m.isna().tolist() == [False, True, False]
     assert "nowhere" in batch._repr_html_()
+    good = pd.read_csv(PATHS[0])
+    tables = {"good": good, "truck 7": good.assign(roll_rad=np.inf)}
+    with pytest.raises(ValueError, match=r"^truck 7: roll_rad\[0\] = inf"):
+        cgheight.estimate_logs(tables, vehicle=kraz)
     with pytest.raises(ValueError, match="errors is 'hide'"):
         cgheight.estimate_logs(logs, vehicle=kraz, errors="hide")
     with pytest.raises(ValueError, match="jobs is 0"):

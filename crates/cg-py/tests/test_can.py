@@ -39,6 +39,7 @@ BO_ 257 Slow: 8 Logger
 BO_ 258 Other: 8 Logger
  SG_ Speed : 0|8@1+ (1,0) [0|250] "km/h" Logger
 """
+TRAILER_YAW = "[sensors.yaw_rate]\non_tractor = false\n"
 SIGNALS = {
     "roll": "RollAngle",
     "lateral_acceleration": "LatAccel",
@@ -52,11 +53,12 @@ SIGNALS = {
 def truck_file(tmp_path_factory):
     """Return the independent truck with a steering ratio, because CAN has the steering wheel only.
 
-    Its roads are flat: on CAN, the roll angle is relative to gravity.
+    Its roads are flat: on CAN, the roll angle is relative to gravity. The frames are made from logs
+    with the yaw rate of the trailer.
     """
     path = tmp_path_factory.mktemp("truck") / "wheel.toml"
     text = (FIXTURES / "vehicles" / "kraz.toml").read_text()
-    path.write_text(f"steering_ratio = 20.0\n{text}\n[road]\nbank_sd_rad = 0.0\n")
+    path.write_text(f"steering_ratio = 20.0\n{text}\n[road]\nbank_sd_rad = 0.0\n{TRAILER_YAW}")
     return path
 
 
@@ -408,3 +410,21 @@ def test_the_listener_leaves_out_what_does_not_fit_and_goes_on(truck, drive):
 def quiet_libraries():
     """Hide the messages of asammdf about conversions in the test output."""
     logging.getLogger("asammdf").setLevel(logging.ERROR)
+
+
+def test_a_simulated_bus_has_the_yaw_rate_of_the_tractor(truck_file, tmp_path):
+    """Unless the vehicle file says that it is that of the trailer."""
+    silent = tmp_path / "silent.toml"
+    silent.write_text(truck_file.read_text().replace(TRAILER_YAW, ""))
+    truck = cgheight.Vehicle.load(silent)
+    change = cgheight.Scenario(
+        "lane-change", plant="nonlinear", height_m=1.9, payload_kg=14e3, rate_hz=50
+    )
+    path = tmp_path / "change.blf"
+    log = cgheight.simulate(truck, change, output=path)
+    on_bus = read_log(path)
+    both = np.column_stack([on_bus.yaw_rate_radps, log.signals["yaw_rate_radps"][: len(on_bus)]])
+    first, second = (np.nanargmax(column) for column in both.T)
+    assert 0.2 < (second - first) / 50 < 0.8  # the trailer follows
+    answer = cgheight.estimate_log(path, vehicle=truck)
+    assert answer.height_m == pytest.approx(1.9, rel=0.02)

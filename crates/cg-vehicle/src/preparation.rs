@@ -18,8 +18,8 @@ pub struct Prepares {
     pub road_twist: RoadTwist,
     /// How the trailer follows the tractor.
     pub trailer_path: TrailerPath,
-    /// Whether the vehicle file says that the yaw rate is that of the tractor.
-    pub has_tractor_yaw: bool,
+    /// Whether the yaw rate is that of the tractor, if the vehicle file says it.
+    pub yaw_on_tractor: Option<bool>,
 }
 
 impl Prepares {
@@ -28,7 +28,7 @@ impl Prepares {
         Some(Self {
             road_twist: RoadTwist::of(vehicle).ok()?,
             trailer_path: TrailerPath::of(vehicle).ok()?,
-            has_tractor_yaw: vehicle.sensors.has_tractor_yaw(),
+            yaw_on_tractor: vehicle.sensors.yaw_rate_on_tractor(),
         })
     }
 }
@@ -36,7 +36,7 @@ impl Prepares {
 /// Prepares the samples of a drive.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Preparation {
-    /// Whether the yaw rate is that of the tractor because of where it comes from.
+    /// Whether the yaw rate is that of the tractor because of where it comes from, unless the vehicle file says it.
     pub has_tractor_yaw: bool,
     /// Whether the lateral acceleration is that of the tractor's path, likewise.
     pub has_tractor_acceleration: bool,
@@ -78,7 +78,7 @@ impl Preparation {
         let (time_us, speed_mps, path) = (sample.time_us, self.speed_mps, &of.trailer_path);
         let measured_radps = sample.yaw_rate_radps;
         let mut yaw_rates = YawRates { tractor_radps: None, trailer_radps: measured_radps };
-        let is_of_tractor = self.has_tractor_yaw || of.has_tractor_yaw;
+        let is_of_tractor = of.yaw_on_tractor.unwrap_or(self.has_tractor_yaw);
         if is_of_tractor && Quantity::YawRate.plausible(measured_radps) {
             yaw_rates = YawRates {
                 tractor_radps: Some(measured_radps),
@@ -139,6 +139,9 @@ mod tests {
         assert!(is_same(sample.yaw_rate_radps, 0.1), "{sample:?}");
         let lateral_mps2 = sample.lateral_acceleration_mps2;
         assert!(lateral_mps2 > 0.0 && lateral_mps2 < 0.5, "{sample:?}");
+        // The file knows better than the bus.
+        let by_file = Prepares { yaw_on_tractor: Some(false), ..of };
+        assert!(is_same(last(&by_file, on_bus.clone(), 0.1).yaw_rate_radps, 0.1));
         // An impossible value stays for the estimator to leave out, and does not enter the others.
         assert!(is_same(last(&of, on_bus, 1e300).yaw_rate_radps, 1e300));
     }

@@ -36,9 +36,15 @@ pub struct SensorPlaces {
 }
 
 impl SensorPlaces {
-    /// Whether the sensor of the yaw rate is on the tractor by the vehicle file.
-    pub fn has_tractor_yaw(&self) -> bool {
-        self.yaw_rate.is_some_and(|sensor| sensor.on_tractor)
+    /// Whether the sensor of the yaw rate is on the tractor, if the vehicle file says it.
+    pub fn yaw_rate_on_tractor(&self) -> Option<bool> {
+        self.yaw_rate.map(|sensor| sensor.on_tractor)
+    }
+
+    /// The same on a bus, which has the yaw rate of the tractor, unless the vehicle file says whose it is.
+    #[must_use]
+    pub fn on_bus(self) -> Self {
+        if self.yaw_rate.is_some() { self } else { self.with_tractor_yaw() }
     }
 
     /// The same with the yaw rate of the tractor.

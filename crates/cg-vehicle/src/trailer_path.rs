@@ -4,7 +4,11 @@
 //! its inertia change that, and its c.g. is ahead of the axles. For speeds of 6 to 30 m/s and up to about 2 rad/s the linear model
 //! of the truck is, to a few percent,
 //!
-//!     r2/r1 or a2/(U r1) = (1 + c p)/(1 + a p + b p²),   a = a₁ V/U + a₂ + a₃ U/V,   c = c₁ V/U + c₂ + c₃ U/V.
+//! ```text
+//! r2/r1 or a2/(U r1) = (1 + c p)/(1 + a p + b p²),   a = a₁ V/U + a₂ + a₃ U/V,   c = c₁ V/U + c₂ + c₃ U/V
+//! ```
+//!
+//! with `V` = 15 m/s.
 
 use nalgebra::{Complex, DVector, SMatrix, SVector};
 use serde::{Deserialize, Serialize};

@@ -47,7 +47,7 @@ impl LogEstimator {
         let by_yaw = shown == Channel::LateralAcceleration
             && self.seen.has(Quantity::YawRate)
             && !self.seen.has(Quantity::LateralAcceleration);
-        let of_file = self.options.prepares.is_some_and(|truck| truck.has_tractor_yaw);
+        let of_file = self.options.prepares.is_some_and(|truck| truck.yaw_on_tractor.is_some());
         let is_trailers = !self.preparation.has_tractor_yaw && !of_file;
         let told = is_misfit && by_yaw && is_trailers;
         let text = "; or the yaw rate is that of the tractor: [sensors.yaw_rate] in the vehicle file says so";

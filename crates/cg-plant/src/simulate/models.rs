@@ -129,7 +129,7 @@ impl Models {
         } else {
             Standing::default()
         };
-        let has_tractor_yaw = vehicle.sensors.has_tractor_yaw();
+        let has_tractor_yaw = vehicle.sensors.yaw_rate_on_tractor().unwrap_or(false);
         Ok(Self { at, reduced, interval_s, friction, has_tractor_yaw, standing })
     }
 

@@ -43,7 +43,7 @@ impl Signals {
         Self {
             roll_halves: vehicle.roll_halves(),
             has_chassis,
-            has_tractor_yaw: places.has_tractor_yaw(),
+            has_tractor_yaw: places.yaw_rate_on_tractor().unwrap_or(false),
             gravity_mps2: vehicle.gravity_mps2,
             trailer_mass_kg,
             roll_per_difference,

@@ -230,12 +230,14 @@ def estimate_logs(
     check_options(truck, options)
     bar = need("tqdm.auto", "progress").tqdm(total=len(known), unit="log") if progress else None
 
-    def work(log: Any) -> Estimate:
+    def work(name: str, log: Any) -> Estimate:
         try:
             answer = estimate_log(log, vehicle=truck, **options)
         except (OSError, ValueError) as error:
             if errors == "raise":
-                raise
+                if isinstance(log, str | os.PathLike):
+                    raise  # the error has the path
+                raise ValueError(f"{name}: {error}") from error
             answer = rejected(str(error), truck.reference_trailer_mass_kg, options)
         if bar is not None:
             bar.update()
@@ -243,7 +245,7 @@ def estimate_logs(
 
     pool = ThreadPoolExecutor(jobs or os.cpu_count())
     try:
-        return Estimates(tuple(names), tuple(pool.map(work, known)))
+        return Estimates(tuple(names), tuple(pool.map(work, names, known)))
     finally:
         pool.shutdown(cancel_futures=True)
         if bar is not None:

@@ -135,7 +135,10 @@ def write_log(
         ``.blf``, ``.mf4``, ``.trc``. The file appears only when it is complete.
     vehicle : Vehicle, optional
         Needed for CAN frames: J1939 has a signal for the steering-wheel angle only, and the
-        vehicle's steering ratio converts the road-wheel angle to it. Without a vehicle, the frames
+        vehicle's steering ratio converts the road-wheel angle to it. The yaw rate of the log
+        becomes that of VDC2, which is read as the tractor's; with that of the trailer, read the
+        frames with ``[sensors.yaw_rate] on_tractor = false`` in the vehicle file. Without a
+        vehicle, the frames
         contain no steering angle unless the log has the steering-wheel angle.
     force : bool
         Whether `path` may replace a file that this package did not write. `log` itself and the

@@ -342,6 +342,8 @@ def simulate_log(
     vehicle: Vehicle,
     request: Scenario,
     /,
+    *,
+    on_bus: bool = False,
 ) -> tuple[dict[str, NDArray[np.float64]], str, dict[str, NDArray[np.float64]] | None]:
     """Simulate a log: columns, the truth as JSON, and on a road the places on the way."""
 

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from cgheight import _native, _show
 from cgheight._arrays import number
 from cgheight._extras import need
+from cgheight._frames import is_can
 from cgheight._logs import write_log, write_request
 from cgheight._scenario import Scenario
 
@@ -224,7 +225,10 @@ def simulate(
     signals, truth, track = _native.simulate_log(vehicle, scenario)
     log = SimulatedLog(signals, json.loads(truth), track)
     if output is not None:
-        write_log(log, output, vehicle=vehicle, force=force)
+        written = log
+        if is_can(output):  # VDC2 has the yaw rate of the tractor
+            written = replace(log, signals=_native.simulate_log(vehicle, scenario, on_bus=True)[0])
+        write_log(written, output, vehicle=vehicle, force=force)
     return log
 
 

@@ -247,7 +247,7 @@ const LEVEL: &[Key] = &[
 
 #[rustfmt::skip]
 const YAW_RATE: &[Key] = &[
-    other("on_tractor", Kind::Flag, "whether the yaw rate of logs and mapped signals is that of the tractor, from which that of the trailer then follows; that of VDC2 always is, any other one is the trailer's if the table is absent"),
+    other("on_tractor", Kind::Flag, "whether the yaw rate is that of the tractor, from which the path of the trailer follows, or that of the trailer; without the table, that of VDC2 is the tractor's and any other one the trailer's"),
 ];
 
 #[rustfmt::skip]
