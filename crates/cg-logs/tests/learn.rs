@@ -210,7 +210,9 @@ fn wear_is_followed_and_a_sudden_change_forgets_the_earlier_trips() {
     let mut take = |stiffer: f64, day: u32| {
         let date_s = f64::from(day) * DAY_S;
         let trip = exact(&truck, &deviations(stiffer), date_s);
-        learned.take(&truck, Variant::Complete, trip).unwrap()
+        let taken = learned.take(&truck, Variant::Complete, trip).unwrap();
+        assert_eq!(learned.contradiction().is_some(), taken == Taken::Waiting, "day {day}");
+        taken
     };
     for day in (0..=360).step_by(24) {
         let taken = take(0.85_f64.ln() * f64::from(day) / 365.0, day);

@@ -124,13 +124,44 @@ impl Start {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use cg_core::{CHANNELS, Measured};
+    use cg_logs::learn::EmptyTrip;
     use cg_vehicle::belief::Parameter;
+
+    fn kraz() -> Vehicle {
+        Vehicle::load(concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/vehicles/kraz.toml"))
+            .unwrap()
+    }
+
+    /// The heights of the laden trips after it may be wrong. Without learning nothing is known of it.
+    #[test]
+    fn an_empty_trip_that_contradicts_is_told_at_every_start() {
+        let (vehicle, mut learned) = (kraz(), Learned::default());
+        let mut ratio = [None; CHANNELS];
+        ratio[0] = Some(Measured { value: 1.0, sd: 1e-3 }); // five times that of the file
+        let trip = EmptyTrip {
+            date_s: 0.0,
+            speed_mps: vehicle.nominal_speed_mps,
+            trailer_mass_kg: vehicle.empty_trailer_mass_kg(),
+            ratio,
+            maneuvers: 1,
+            lift_axle: LiftAxle::Down,
+        };
+        assert_eq!(learned.take(&vehicle, Variant::Complete, trip).unwrap(), Taken::Waiting);
+        let tells = |learned: &Learned, on: bool| {
+            let start = Start::new((&vehicle, Variant::Complete), (learned.clone(), 0.0), on);
+            let is_it =
+                |told: &Told| matches!(told, Told::Problem(text) if text.contains("the last trip"));
+            start.told.iter().any(is_it)
+        };
+        assert!(tells(&learned, true) && tells(&learned, true));
+        assert!(!tells(&learned, false) && !tells(&Learned::default(), true));
+    }
 
     /// A truck whose drive tires have a tenth of their stiffness has no steady turn.
     #[test]
     fn what_gives_no_design_is_told_and_not_used() {
-        let kraz = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/vehicles/kraz.toml");
-        let vehicle = Vehicle::load(kraz).unwrap();
+        let vehicle = kraz();
         let mut belief = Belief::prior(&vehicle);
         assert!(usable((&vehicle, Variant::Complete), Some(belief.clone())).unwrap().is_some());
         assert!(usable((&vehicle, Variant::Complete), None).unwrap().is_none());

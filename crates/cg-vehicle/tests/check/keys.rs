@@ -17,7 +17,7 @@ fn complete() -> Table {
     let sensors = "[roll]\nbehind_hitch_m = 7.0\nsecond_behind_hitch_m = 0.5\n[accelerometer]\nheight_m = 1.1\n[tractor_accelerometer]\nheight_m = 0.9\n\
                    [level]\nspread_m = 1.0\n[tractor_level]\nspread_m = 0.9\n\
                    [drive_pressure]\ngauge_pa = [1e5, 4e5]\naxle_load_kg = [5e3, 1.8e4]\n\
-                   [mass]\nweighed_sd_kg = 20.0";
+                   [yaw_rate]\non_tractor = true\n[mass]\nweighed_sd_kg = 20.0";
     root.insert("sensors".to_owned(), Value::Table(sensors.parse().unwrap()));
     root.insert("road".to_owned(), Value::Table("bank_sd_rad = 0.02".parse().unwrap()));
     let side = "side_area_m2 = 36.0\nside_height_m = 2.4".parse().unwrap();
