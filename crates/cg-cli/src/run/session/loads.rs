@@ -67,7 +67,8 @@ impl<W: Write> Session<W> {
         if self.hidden_kg.is_some() {
             self.weighed_kg = Some(mass_kg);
         }
-        self.doubted = DoubtedMass { hides: is_doubted, was_old: is_doubted, is_high: None };
+        // A signal may go on to give the mass of the load before: the same mass does not show the height again.
+        self.doubted = DoubtedMass { hides: is_doubted, was_old: false, is_high: None };
         self.known.trailer_mass_kg = mass_kg;
     }
 
