@@ -65,15 +65,22 @@ fn a_run_that_an_estimate_would_not_use_is_refused() {
         assert!(told.contains("record the run again"), "{told}");
     }
     assert!(calibration_of(1, ALL, |_, _| ()).is_ok());
-    // A signal that is not used does not matter.
+    let statement_of = |channel: Channel, change: fn(usize, &mut LogRow)| {
+        let options = CalibrateOptions { channel: Some(channel), ..ALL };
+        calibration_of(1, options, change).unwrap().statement
+    };
+    // Of one channel it is told.
+    let told = statement_of(Channel::LateralAcceleration, zeros);
+    assert!(told.iter().any(|line| line.starts_with("laden 0: ") && line.contains("exactly 0")));
+    assert!(!statement_of(Channel::Steer, |_, _| ()).iter().any(|line| line.contains("exactly 0")));
+    // A signal of another channel does not hinder.
     let zeros = |k: usize, row: &mut LogRow| {
         if k.is_multiple_of(10) {
             row.lateral_acceleration_mps2 = 0.0;
         }
     };
-    let channel = Some(Channel::Steer);
     assert!(calibration_of(1, ALL, zeros).is_err());
-    assert!(calibration_of(1, CalibrateOptions { channel, ..ALL }, zeros).is_ok());
+    statement_of(Channel::Steer, zeros);
 }
 
 /// What an estimate says of a log that it uses is in the statement.

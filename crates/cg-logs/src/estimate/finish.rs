@@ -249,6 +249,11 @@ impl LogEstimator {
 
     /// What is identified beside the ratios.
     fn without_ratios(&self, mass_kg: f64) -> Identified {
+        let messages = self.messages();
+        let wrong = self.wrong_signal();
+        // Of one channel alone, as in an estimate, it does not decide, because it may be a signal of another one.
+        let (decides, told) =
+            if self.options.channel.is_none() { (wrong, None) } else { (None, wrong) };
         Identified {
             speed_mps: self.mean_speed_mps(&Channel::ALL).unwrap_or(f64::NAN),
             turn_g: self.strong.usual_g(self.design.gravity_mps2),
@@ -265,12 +270,9 @@ impl LogEstimator {
             is_assumed_flat: self.options.road.is_none() && !self.is_on_road(),
             turns: Vec::new(),
             turns_sd: [0.0; CHANNELS],
-            wrong_signal: self.wrong_chassis().or_else(|| {
-                let decides = self.options.channel.is_none();
-                self.wrong_signal().filter(|_| decides)
-            }),
-            notes: self.messages(),
-            messages: self.messages(),
+            wrong_signal: self.wrong_chassis().or(decides),
+            notes: told.into_iter().chain(messages.iter().cloned()).collect(),
+            messages,
         }
     }
 
