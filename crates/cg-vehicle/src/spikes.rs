@@ -33,24 +33,33 @@ struct Angle {
 }
 
 impl Angle {
-    /// Whether a value is to be taken.
+    /// Whether a value is to be taken. Nearly all are.
+    #[inline]
     fn takes(&mut self, time_us: u64, value_rad: f64) -> bool {
+        let is_near =
+            self.taken.is_none_or(|(_, taken_rad)| (value_rad - taken_rad).abs() <= FAR_RAD);
+        let is_taken = is_near || self.takes_far(time_us, value_rad);
+        if is_taken {
+            *self = Self { taken: Some((time_us, value_rad)), left_out: None };
+        }
+        is_taken
+    }
+
+    /// Whether one that is far from the last one is to be taken.
+    #[cold]
+    fn takes_far(&mut self, time_us: u64, value_rad: f64) -> bool {
         #[allow(clippy::cast_precision_loss)] // less than a second, or any long time
         let since_s = |then_us: u64| time_us.saturating_sub(then_us) as f64 * 1e-6;
-        let is_near = self.taken.is_none_or(|(taken_us, taken_rad)| {
+        let can_be = self.taken.is_none_or(|(taken_us, taken_rad)| {
             let passed_s = since_s(taken_us);
             passed_s > GAP_S
                 || (value_rad - taken_rad).abs() <= RATE_RADPS.mul_add(passed_s, FAR_RAD)
         });
         let near_left_out =
             self.left_out.filter(|(_, rad)| (value_rad - rad).abs() <= FAR_RAD).map(|(us, _)| us);
-        let is_taken = is_near || near_left_out.is_some_and(|us| time_us >= us + STAYS_US);
-        if is_taken {
-            *self = Self { taken: Some((time_us, value_rad)), left_out: None };
-        } else {
-            self.left_out = Some((near_left_out.unwrap_or(time_us), value_rad));
-        }
-        is_taken
+        let stays = near_left_out.is_some_and(|us| time_us >= us + STAYS_US);
+        self.left_out = Some((near_left_out.unwrap_or(time_us), value_rad));
+        can_be || stays
     }
 }
 

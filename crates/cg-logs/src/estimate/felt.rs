@@ -45,6 +45,7 @@ pub(super) fn force_by_roll(
 /// Adds an absent specific force of the trailer that a suspension roll needs, `f = a_y + g φ_g`, if the sample
 /// has a roll angle relative to gravity and the acceleration of the path. (The core has no room for this on a
 /// chip.)
+#[inline]
 pub fn add_force(sample: &mut Sample<f64>, gravity_mps2: f64) {
     let is_needed = sample.suspension_roll_rad.is_finite()
         && sample.lateral_specific_force_mps2.is_nan()

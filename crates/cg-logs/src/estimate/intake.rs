@@ -356,6 +356,7 @@ impl LogEstimator {
     }
 
     /// The sample of a row.
+    #[inline]
     pub(super) fn sample(&mut self, row: &LogRow) -> Sample<f64> {
         let origin_s = *self.origin_s.get_or_insert(row.time_s);
         // Microseconds since the first row. The cast gives zero for a time before the first row,

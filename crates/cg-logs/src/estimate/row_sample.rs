@@ -37,6 +37,7 @@ pub(super) struct SignalsSeen {
 
 impl SignalsSeen {
     /// The sample of a row at a time, with speed and mass by the options.
+    #[inline]
     pub(super) fn sample(
         &mut self,
         (row, time_us): (&LogRow, u64),
@@ -96,6 +97,7 @@ impl SignalsSeen {
     }
 
     /// Takes the quantities of a row from which its sample has nothing.
+    #[inline]
     fn unscaled(&mut self, row: &LogRow, sample: &Sample<f64>) {
         let rare = [
             row.steering_wheel_rad,

@@ -3,8 +3,8 @@
 use cg_core::{Quantity, Sample};
 use serde::{Deserialize, Serialize};
 
-/// Rows that are closer are close enough for every truck, s: at 10 Hz, a lane change within three seconds is missed by 0.4 %.
-const CLOSE_S: f64 = 0.11;
+/// Rows that are closer are close enough for every truck, µs: at 10 Hz, a lane change within three seconds is missed by 0.4 %.
+const CLOSE_US: u64 = 110_000;
 /// Share of the motion that is missed, above which the height can be wrong by as much: half of an interval of ±2 %, the best
 /// there is.
 const MUCH: f64 = 0.01;
@@ -81,9 +81,8 @@ impl SeldomCheck {
     /// Takes the next sample.
     pub(super) fn push(&mut self, sample: &Sample<f64>) {
         let last_us = self.last_us.replace(sample.time_us);
-        #[allow(clippy::cast_precision_loss)] // 2^53 µs are 285 years
-        let is_close = last_us
-            .is_none_or(|last_us| sample.time_us.saturating_sub(last_us) as f64 * 1e-6 < CLOSE_S);
+        let is_close =
+            last_us.is_none_or(|last_us| sample.time_us.saturating_sub(last_us) < CLOSE_US);
         if is_close {
             // Rows beside two gaps are no neighbors.
             if std::mem::take(&mut self.is_apart) {
