@@ -58,8 +58,8 @@ pub(crate) fn run(arguments: &CalibrateArgs, files: Files) -> anyhow::Result<Out
     let mut are_of_frames = BTreeMap::new();
     let mut calibration =
         calibrate_with_trips(&vehicle, how, (logs, &trips), |known, estimator| {
-            let take = |row: &_, on_bus| {
-                estimator.heard(on_bus);
+            let take = |row: &_, scale| {
+                estimator.weighed_by(scale);
                 estimator.push(row).map(|_| ())
             };
             let (remarks, is_of_frames) =

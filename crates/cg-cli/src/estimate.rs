@@ -6,9 +6,10 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, anyhow};
 use cg_core::SampleError;
 use cg_logs::estimate::{EstimateOptions, LogEstimate, LogEstimator, Verdict};
-use cg_logs::log::{LogOptions, LogReader, LogRow, OnBus};
+use cg_logs::log::{LogOptions, LogReader, LogRow};
 use cg_logs::report::{self, Entry, Trace};
 use cg_output::{Draft, Files, Kind, Target};
+use cg_vehicle::scales::Scale;
 use indicatif::{ProgressBar, ProgressStyle};
 use rayon::prelude::*;
 
@@ -200,8 +201,8 @@ fn estimate_log(
     progress: &ProgressBar,
 ) -> anyhow::Result<Estimated> {
     let mut trace = room.map(Trace::new);
-    let (remarks, is_of_frames) = feed(log, options, progress, |row, on_bus| {
-        estimator.heard(on_bus);
+    let (remarks, is_of_frames) = feed(log, options, progress, |row, scale| {
+        estimator.weighed_by(scale);
         estimator.push(row)?;
         if let Some(trace) = &mut trace {
             trace.push(row.time_s, &estimator.signals(row));
@@ -222,7 +223,7 @@ pub(crate) fn feed(
     log: &Path,
     options: &LogOptions,
     progress: &ProgressBar,
-    mut take: impl FnMut(&LogRow, OnBus) -> Result<(), SampleError>,
+    mut take: impl FnMut(&LogRow, Option<Scale>) -> Result<(), SampleError>,
 ) -> anyhow::Result<(Vec<String>, bool)> {
     let name = if log.as_os_str() == "-" { "standard input".into() } else { log.to_string_lossy() };
     let mut reader = if log.as_os_str() == "-" {
@@ -233,7 +234,7 @@ pub(crate) fn feed(
     let mut seen = 0;
     let mut rows = 0;
     while reader.advance()? {
-        take(&reader.row(), reader.on_bus()).with_context(|| {
+        take(&reader.row(), reader.scale()).with_context(|| {
             let line = reader.line();
             format!(
                 "{name}, line {line}: time stamps must be at least a microsecond apart (if they are days, as in \

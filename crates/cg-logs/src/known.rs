@@ -10,6 +10,9 @@ use crate::malformed::Malformed;
 const FORM: &str = "expected LOG=HEIGHT_M, LOG=HEIGHT_M,TRAILER_MASS_KG or LOG=empty; ? is an unknown height, and \
      1.9±0.05 or 1.9+-0.05 is a height or a mass with its standard deviation";
 
+/// Masses below this are in another unit, kg, or the decimals of a height with a decimal comma.
+const LEAST_KG: f64 = 100.0;
+
 /// A log with a known height.
 #[derive(Clone, Debug, PartialEq)]
 pub struct KnownLog {
@@ -106,6 +109,13 @@ impl FromStr for KnownLog {
             None => (load, None),
         };
         let mass = mass.map(|mass| with_sd("trailer mass", mass)).transpose()?;
+        if let Some((kg, _)) = mass.filter(|(kg, _)| *kg < LEAST_KG) {
+            return Err(format!(
+                "the trailer mass is {kg} kg, but no semitrailer is so light: give it in kg, and heights with a decimal \
+                 point; {FORM}"
+            )
+            .into());
+        }
         let trailer_mass = mass.map(|(kg, sd_kg)| KnownMass { kg, sd_kg });
         let load = if height.trim() == "?" {
             KnownLoad::UnknownHeight { trailer_mass }
@@ -166,6 +176,8 @@ mod tests {
             ("a.csv=1.9,24000±2 %", "standard deviation of the trailer mass \"2 %\""),
             ("a.csv=?±0.1", "height \"?\""),
             ("=1.9", "expected LOG=HEIGHT_M"),
+            ("a.csv=1,9", "the trailer mass is 9 kg, but no semitrailer is so light"),
+            ("a.csv=?,24", "the trailer mass is 24 kg"),
         ];
         for (text, part) in wrong {
             let error = load(text).unwrap_err().to_string();

@@ -299,6 +299,28 @@ fn a_number_that_cannot_be_belongs_to_no_raster() {
     assert!(!aligned(&LogOptions::default()));
 }
 
+/// What a table says of its signals in some rows holds when its channels are aligned: how exact the mass is, and what is measured on
+/// the tractor.
+#[test]
+fn what_a_table_says_of_its_channels_stays_when_they_are_aligned() {
+    let what = "trailer_mass_sd_kg,yaw_rate_on_tractor,lateral_acceleration_on_tractor";
+    let rows = (1..200).map(|k| {
+        let values = if k % 2 == 0 { "0.01," } else { ",0.1" };
+        [(f64::from(k) * 0.01).to_string().as_str(), ",", values, ",,,\n"].concat()
+    });
+    let head = format!("time_s,roll_rad,steer_rad,{what}\n0,,,300,true,0\n");
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("log.csv");
+    std::fs::write(&path, head + &rows.collect::<String>()).unwrap();
+    let mut log = LogReader::open(&path, &LogOptions::default()).unwrap();
+    let last = log.by_ref().map(Result::unwrap).last().unwrap();
+    assert!(log.remarks()[0].contains("time stamps of their own"), "{:?}", log.remarks());
+    assert!(!last.roll_rad.is_nan() && !last.steer_rad.is_nan(), "{last:?}");
+    let said =
+        [last.trailer_mass_sd_kg, last.yaw_rate_on_tractor, last.lateral_acceleration_on_tractor];
+    assert_eq!(said.map(f64::to_bits), [300.0, 1.0, 0.0].map(f64::to_bits));
+}
+
 /// The vehicle file's range of masses detects an impossible value of a scale.
 #[test]
 fn a_mass_that_the_trailer_cannot_have_is_absent() {

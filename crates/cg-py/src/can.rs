@@ -129,7 +129,7 @@ impl StreamState {
     /// Processes a row and returns whether it ends a turn.
     fn row(&mut self, row: &LogRow) -> bool {
         // Time never decreases here. A row at the same time as the previous one is ignored.
-        self.estimator.heard(self.frames.on_bus());
+        self.estimator.weighed_by(self.frames.scale());
         let Ok(status) = self.estimator.push(row) else { return false };
         self.counts.2 += 1;
         let turning = status == cg_core::Status::Turning;

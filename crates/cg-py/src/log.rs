@@ -172,7 +172,7 @@ pub(crate) fn push_some(
         if !reader.advance().map_err(Refused::Log)? {
             return Ok(false);
         }
-        estimator.heard(reader.on_bus());
+        estimator.weighed_by(reader.scale());
         estimator.push(&reader.row()).map_err(|error| {
             Refused::Sample(format!("{}, line {}: {error}", path.display(), reader.line()))
         })?;

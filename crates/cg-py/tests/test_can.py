@@ -428,3 +428,10 @@ def test_a_simulated_bus_has_the_yaw_rate_of_the_tractor(truck_file, tmp_path):
     assert 0.2 < (second - first) / 50 < 0.8  # the trailer follows
     answer = cgheight.estimate_log(path, vehicle=truck)
     assert answer.height_m == pytest.approx(1.9, rel=0.02)
+    # The table says it, too.
+    of_table = cgheight.estimate_log(on_bus, vehicle=truck)
+    assert of_table.height_m == pytest.approx(answer.height_m, rel=1e-4)
+    by_yaw = on_bus.drop(columns="steering_wheel_rad")
+    assert cgheight.estimate_log(by_yaw, vehicle=truck).height_m == pytest.approx(1.9, rel=0.02)
+    unsaid = by_yaw.drop(columns="yaw_rate_on_tractor")
+    assert cgheight.estimate_log(unsaid, vehicle=truck).height_m is None

@@ -6,7 +6,7 @@
 use crate::common;
 use cg_core::Channel;
 use cg_logs::estimate::{EstimateOptions, LogEstimator};
-use cg_logs::log::{LogRow, OnBus};
+use cg_logs::log::LogRow;
 use cg_plant::maneuver::Maneuver;
 use cg_plant::road::{Road, RoadPoint};
 use cg_plant::sensors::ChassisSensors;
@@ -90,7 +90,7 @@ fn found(
 ) -> Option<[f64; 2]> {
     let options = EstimateOptions { channel: Some(pair), ..EstimateOptions::default() };
     let mut estimator = LogEstimator::new(vehicle, options).unwrap();
-    estimator.heard(OnBus { has_tractor_yaw: yaw == Yaw::Tractors, ..OnBus::default() });
+    let yaw_rate_on_tractor = f64::from(u8::from(yaw == Yaw::Tractors));
     let force = |row: &LogRow| match pair {
         Channel::Tractor => row.tractor_lateral_specific_force_mps2,
         _ => row.lateral_specific_force_mps2,
@@ -103,7 +103,8 @@ fn found(
         };
         let signals = LogRow { time_s: row.time_s, speed_mps: row.speed_mps, ..LogRow::ABSENT };
         let trailer_mass_kg = row.trailer_mass_kg;
-        let mut signals = LogRow { trailer_mass_kg, yaw_rate_radps, ..signals };
+        let mut signals =
+            LogRow { trailer_mass_kg, yaw_rate_radps, yaw_rate_on_tractor, ..signals };
         if pair == Channel::Tractor {
             signals.tractor_suspension_roll_rad = row.tractor_suspension_roll_rad;
             signals.tractor_lateral_specific_force_mps2 = force(row);

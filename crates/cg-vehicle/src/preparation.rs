@@ -51,6 +51,19 @@ pub struct Preparation {
 }
 
 impl Preparation {
+    /// Takes what a row says of its yaw rate and its lateral acceleration: 1 if that is measured on the tractor, 0 if not. It holds
+    /// until another row says something else; NaN says nothing.
+    pub fn hear(&mut self, yaw_rate_on_tractor: f64, lateral_acceleration_on_tractor: f64) {
+        for (said, has) in [
+            (yaw_rate_on_tractor, &mut self.has_tractor_yaw),
+            (lateral_acceleration_on_tractor, &mut self.has_tractor_acceleration),
+        ] {
+            if !said.is_nan() {
+                *has = said > 0.5;
+            }
+        }
+    }
+
     /// What is said of spikes that were left out.
     pub fn spikes(&self) -> Option<String> {
         let count = self.spikes.count;

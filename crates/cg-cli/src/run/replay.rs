@@ -263,6 +263,7 @@ pub(crate) fn csv<W: Write>(
         }
         session.sensors.level(|level| row.get(Signal::from(level)));
         session.rated.push(&row);
+        session.preparation.hear(row.yaw_rate_on_tractor, row.lateral_acceleration_on_tractor);
         let mut sample = row.sample(instant.stream_us, &session.settings);
         speed_age.push(&mut sample);
         session.push(sample)?;

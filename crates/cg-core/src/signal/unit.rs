@@ -58,6 +58,8 @@ pub enum Dimension {
     Length,
     /// Whether a part is raised: 0 or 1.
     Position,
+    /// Whether a sensor is on the tractor: 0 or 1.
+    Place,
 }
 
 impl Dimension {
@@ -110,6 +112,7 @@ impl Dimension {
                 }
             }
             Self::Position => const { &[unit("raised", &["raised"], 1.0, 1.0)] },
+            Self::Place => const { &[unit("tractor", &["tractor"], 1.0, 1.0)] },
             Self::Length => const { &[unit("m", &["m"], 1.0, 1.0), unit("mm", &["mm"], 1.0, 1e3)] },
         }
     }
@@ -140,7 +143,7 @@ impl Dimension {
 mod tests {
     use super::*;
 
-    const ALL: [Dimension; 9] = [
+    const ALL: [Dimension; 10] = [
         Dimension::Time,
         Dimension::Angle,
         Dimension::AngularRate,
@@ -150,6 +153,7 @@ mod tests {
         Dimension::Pressure,
         Dimension::Length,
         Dimension::Position,
+        Dimension::Place,
     ];
 
     #[test]

@@ -24,12 +24,13 @@ use super::since_stop::SinceStop;
 use super::strong::StrongTurns;
 use super::unheard::Unheard;
 use super::windward::Windward;
-use crate::log::{LogRow, OnBus, Signal};
+use crate::log::{LogRow, Signal};
 use cg_vehicle::Vehicle;
 use cg_vehicle::belief::Belief;
 use cg_vehicle::error::VehicleError;
 use cg_vehicle::lift::LiftAxle;
 use cg_vehicle::preparation::Preparation;
+use cg_vehicle::scales::Scale;
 
 /// The DC ratios identified from a log.
 #[derive(Clone, Debug, PartialEq)]
@@ -239,6 +240,7 @@ impl LogEstimator {
         self.previous_us = Some(time_us);
         if let Some(of) = &self.options.prepares {
             let may_twist = self.options.may_twist();
+            self.preparation.hear(row.yaw_rate_on_tractor, row.lateral_acceleration_on_tractor);
             self.preparation.prepare(&mut sample, of, may_twist, self.design.gravity_mps2);
         }
         self.rows += 1;
@@ -327,11 +329,10 @@ impl LogEstimator {
         self.keep(last.as_ref());
     }
 
-    /// Sets what the bus says of the next rows.
-    pub fn heard(&mut self, on_bus: OnBus) {
-        self.seen.bus_scale = on_bus.scale;
-        self.preparation.has_tractor_yaw = on_bus.has_tractor_yaw;
-        self.preparation.has_tractor_acceleration = on_bus.has_tractor_acceleration;
+    /// Sets the scale on the bus from which the mass of the next rows follows; `None` if the rows are not
+    /// from frames, or have the value of the scale itself.
+    pub fn weighed_by(&mut self, scale: Option<Scale>) {
+        self.seen.bus_scale = scale;
     }
 
     /// The time of the log, s, of microseconds since its first row.

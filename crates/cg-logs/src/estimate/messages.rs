@@ -50,7 +50,8 @@ impl LogEstimator {
         let of_file = self.options.prepares.is_some_and(|truck| truck.yaw_on_tractor.is_some());
         let is_trailers = !self.preparation.has_tractor_yaw && !of_file;
         let told = is_misfit && by_yaw && is_trailers;
-        let text = "; or the yaw rate is that of the tractor: give [sensors.yaw_rate] on_tractor = true in the vehicle file";
+        let text = "; or the yaw rate is that of the tractor: give it a column yaw_rate_on_tractor with 1, or [sensors.yaw_rate] \
+                    on_tractor = true in the vehicle file";
         if told { text.to_owned() } else { String::new() }
     }
 

@@ -35,17 +35,6 @@ const SAMPLED: [Signal; 16] = [
     Signal::TrailerMass,
 ];
 
-/// What the bus says of the values of a row, which the row has not.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct OnBus {
-    /// The scale from which the trailer mass follows; `None` if the row is not from frames, or has the value of the scale itself.
-    pub scale: Option<Scale>,
-    /// Whether the yaw rate is that of the tractor, as in VDC2.
-    pub has_tractor_yaw: bool,
-    /// Whether the lateral acceleration is that of the path of the tractor, as in a VDC2 without gravity.
-    pub has_tractor_acceleration: bool,
-}
-
 /// Converts CAN frames to rows of a log: one row for each sample, as in `cg run`.
 #[derive(Clone, Debug)]
 pub struct FrameRows {
@@ -135,6 +124,7 @@ impl FrameRows {
         let time_s = self.origin_s.unwrap_or(0.0) + sample.time_us as f64 * 1e-6;
         let lift_axle = self.sampler.take_lift_axle();
         let mut row = LogRow { lift_axle, ..LogRow::of_sample(time_s, sample) };
+        self.show_places(&mut row);
         if self.speed_is_elsewhere {
             row.speed_mps = f64::NAN;
         }
@@ -187,14 +177,26 @@ impl FrameRows {
         }
     }
 
-    /// What the bus says of the last row.
-    pub fn on_bus(&self) -> OnBus {
+    /// A yaw rate of VDC2 is that of the tractor, and so is the acceleration of its path.
+    fn show_places(&self, row: &mut LogRow) {
         let decoder = self.sampler.decoder();
-        OnBus {
-            scale: self.scale,
-            has_tractor_yaw: self.hears_bus && decoder.has_tractor_yaw(),
-            has_tractor_acceleration: self.hears_bus && decoder.has_tractor_acceleration(),
+        for (is_on_tractor, value, shown) in [
+            (decoder.has_tractor_yaw(), row.yaw_rate_radps, &mut row.yaw_rate_on_tractor),
+            (
+                decoder.has_tractor_acceleration(),
+                row.lateral_acceleration_mps2,
+                &mut row.lateral_acceleration_on_tractor,
+            ),
+        ] {
+            if self.hears_bus && is_on_tractor && !value.is_nan() {
+                *shown = 1.0;
+            }
         }
+    }
+
+    /// The scale on the bus from which the trailer mass in the last row follows.
+    pub fn scale(&self) -> Option<Scale> {
+        self.scale
     }
 
     /// The signals that rows can contain.
@@ -265,8 +267,8 @@ impl Frames {
         self.rows.signals()
     }
 
-    pub(super) fn on_bus(&self) -> OnBus {
-        self.rows.on_bus()
+    pub(super) fn scale(&self) -> Option<Scale> {
+        self.rows.scale()
     }
 
     pub(super) fn position(&self) -> Position {
@@ -338,7 +340,7 @@ impl Frames {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::can::MappedSignal;
+    use crate::can::{MappedSignal, Vdc2};
     use crate::log::{CanOptions, Signal};
     use cg_core::AlignSettings;
     use cg_core::signal::j1939;
@@ -379,26 +381,38 @@ mod tests {
         assert!((tractor.tractor_axle_tilt_rad - 0.15).abs() < 1e-12, "{tractor:?}");
     }
 
-    /// VDC2 has the yaw rate of the tractor. A mapped signal is what its quantity says, that of the trailer, and so is a value
-    /// that was in no frame.
+    /// VDC2 has the yaw rate of the tractor, and if it compensates gravity the acceleration of its path. A mapped signal is what
+    /// its quantity says, that of the trailer, and so is a value that was in no frame.
     #[test]
-    fn the_yaw_rate_of_vdc2_is_that_of_the_tractor() {
+    fn the_motion_of_vdc2_is_that_of_the_tractor() {
         let mut data = [0xFF; 8];
         j1939::YAW_RATE.encode(0.1, &mut data);
+        j1939::LATERAL_ACCELERATION.encode(1.0, &mut data);
         let frame = Frame::new(0, j1939::YAW_RATE.identifier(0x0B), true, &data).unwrap();
         let map = ["yaw_rate=VDC2.YawRate".parse().unwrap()];
         let dbc = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/can/j1939.dbc");
         let mapped = MappedSignal::load(dbc.as_ref(), &map).unwrap();
-        let can = |mapped| CanOptions { mapped, ..CanOptions::default() };
-        for (mapped, is_of_tractor) in [(Vec::new(), true), (mapped, false)] {
-            let mut rows =
-                FrameRows::new(&LogOptions { can: can(mapped), ..LogOptions::default() });
-            assert!(!rows.on_bus().has_tractor_yaw);
+        let can = |mapped, vdc2| CanOptions { mapped, vdc2, ..CanOptions::default() };
+        // What the row of a roll angle says of it.
+        let place = |rows: &mut FrameRows| {
+            rows.push_value(Quantity::Speed, 0, 15.0);
+            rows.push_value(Quantity::Roll, 0, 0.01);
+            let row = rows.rest().unwrap();
+            assert!(row.yaw_rate_radps > 0.0);
+            [row.yaw_rate_on_tractor, row.lateral_acceleration_on_tractor].map(|on| on > 0.0)
+        };
+        for (mapped, vdc2, are_of_tractor) in [
+            (Vec::new(), Vdc2::SpecificForce, [true, false]),
+            (Vec::new(), Vdc2::Acceleration, [true, true]),
+            (mapped, Vdc2::Acceleration, [false, true]),
+        ] {
+            let can = can(mapped, vdc2);
+            let mut rows = FrameRows::new(&LogOptions { can, ..LogOptions::default() });
             assert!(rows.push(&frame));
-            assert_eq!(rows.on_bus().has_tractor_yaw, is_of_tractor);
+            assert_eq!(place(&mut rows), are_of_tractor);
         }
         let mut rows = FrameRows::new(&LogOptions::default());
         rows.push_value(Quantity::YawRate, 0, 0.1);
-        assert!(!rows.on_bus().has_tractor_yaw);
+        assert_eq!(place(&mut rows), [false; 2]);
     }
 }

@@ -63,7 +63,7 @@ pub use beginning::Rasters;
 pub use candump::CandumpWriter;
 pub use error::{ColumnName, LogError, Place, Position};
 pub use frame_text::FrameText;
-pub use frames::{FrameRows, OnBus};
+pub use frames::FrameRows;
 pub use options::{CanOptions, ColumnMap, LogOptions, OptionError};
 pub use plausibility::Plausibility;
 pub use preparation::Preparation;

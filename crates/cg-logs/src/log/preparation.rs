@@ -9,13 +9,17 @@ use super::options::LogOptions;
 use super::roll_rate::RollAngles;
 use super::signal::{LogRow, Signal};
 
+/// Signals of a table that are none of frames and hold until they say something else.
+const HELD: [Signal; 3] =
+    [Signal::TrailerMassSd, Signal::YawRateOnTractor, Signal::LateralAccelerationOnTractor];
+
 /// Rows of a table on their way to samples.
 pub struct Preparation {
     rasters: Option<FrameRows>,
     /// The time from which those of the rasters count, s: whole seconds at or before the first row.
     origin_s: f64,
-    /// The last standard deviation of the mass, which is no signal of frames.
-    mass_sd_kg: f64,
+    /// The last values of [`HELD`].
+    held: [f64; HELD.len()],
     angles: Option<RollAngles>,
     /// Why a roll rate of the table is not used.
     rate_unused: Option<String>,
@@ -54,7 +58,7 @@ impl Preparation {
         (rasters.is_some() || angles.is_some() || rate_unused.is_some()).then(|| Self {
             rasters,
             origin_s: f64::NAN,
-            mass_sd_kg: f64::NAN,
+            held: [f64::NAN; HELD.len()],
             angles,
             rate_unused,
             line: 0,
@@ -86,8 +90,8 @@ impl Preparation {
             #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
             let time_us = ((row.time_s - self.origin_s) * 1e6).round() as u64;
             frames.follow_lift_axle(row.lift_axle);
-            if row.trailer_mass_sd_kg >= 0.0 {
-                self.mass_sd_kg = row.trailer_mass_sd_kg;
+            for (held, signal) in self.held.iter_mut().zip(HELD) {
+                *held = Some(row.get(signal)).filter(|value| *value >= 0.0).unwrap_or(*held);
             }
             for signal in Signal::ALL {
                 let value = row.get(signal);
@@ -95,7 +99,7 @@ impl Preparation {
                     frames.push_value(quantity, time_us, value);
                 }
             }
-            let known = (self.origin_s, self.mass_sd_kg);
+            let known = (self.origin_s, self.held);
             let rows = std::iter::from_fn(|| frames.next_row());
             self.ready.extend(rows.map(|row| (line, of_table(row, known))));
         } else {
@@ -109,7 +113,7 @@ impl Preparation {
         if let Some(angles) = &mut self.angles {
             angles.finish();
         } else if let Some(frames) = &mut self.rasters {
-            let known = (self.origin_s, self.mass_sd_kg);
+            let known = (self.origin_s, self.held);
             let rows = std::iter::from_fn(|| frames.rest());
             self.ready.extend(rows.map(|row| (line, of_table(row, known))));
         }
@@ -135,9 +139,16 @@ impl Preparation {
     }
 }
 
-/// A row of a table, of which frames do not know from when its time counts and how exact its mass is.
-fn of_table(row: LogRow, (origin_s, mass_sd_kg): (f64, f64)) -> LogRow {
-    LogRow { time_s: origin_s + row.time_s, trailer_mass_sd_kg: mass_sd_kg, ..row }
+/// A row of a table, of which frames do not know from when its time counts and what it [holds](HELD).
+fn of_table(row: LogRow, (origin_s, held): (f64, [f64; HELD.len()])) -> LogRow {
+    let [trailer_mass_sd_kg, yaw_rate_on_tractor, lateral_acceleration_on_tractor] = held;
+    LogRow {
+        time_s: origin_s + row.time_s,
+        trailer_mass_sd_kg,
+        yaw_rate_on_tractor,
+        lateral_acceleration_on_tractor,
+        ..row
+    }
 }
 
 fn is_angle(signal: Signal) -> bool {

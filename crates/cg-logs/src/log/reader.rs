@@ -12,13 +12,14 @@ use super::columns::Column;
 use cg_core::Quantity;
 
 use super::error::{ColumnName, LogError, Place, Position};
-use super::frames::{Frames, OnBus, is_asc, is_candump};
+use super::frames::{Frames, is_asc, is_candump};
 use super::options::LogOptions;
 use super::plausibility::Plausibility;
 use super::preparation::Preparation;
 use super::rows::Rows;
 use super::signal::{LogRow, Signal};
 use super::source::{Counted, Magic, Sniffed, head, sniff, text};
+use cg_vehicle::scales::Scale;
 
 /// A log that is read row by row in constant memory.
 ///
@@ -188,11 +189,11 @@ impl LogReader {
         matches!(self.body, Body::Can(_))
     }
 
-    /// What the bus says of the last row, in a log of frames.
-    pub fn on_bus(&self) -> OnBus {
+    /// The scale on the bus from which the trailer mass in the last row follows, in a log of frames.
+    pub fn scale(&self) -> Option<Scale> {
         match &self.body {
-            Body::Can(frames) => frames.on_bus(),
-            Body::Text(_) | Body::Parquet(_) => OnBus::default(),
+            Body::Can(frames) => frames.scale(),
+            Body::Text(_) | Body::Parquet(_) => None,
         }
     }
 

@@ -1,9 +1,10 @@
 //! Signals of a log (the time, all quantities of [`cg_core::quantities!`], the roll rate, the roll of an
-//! axle to gravity, the standard deviation of the trailer mass and the position of the lift axles) and one row of them.
+//! axle to gravity, the standard deviation of the trailer mass, the position of the lift axles and what is measured on the tractor)
+//! and one row of them.
 //!
-//! The last four are no quantities of the estimator, which has no room for more on a chip: `roll_rate`
-//! makes a roll angle of the rate, a row makes the roll of the suspension of that of an axle, and raised lift axles
-//! make another truck.
+//! The last six are no quantities of the estimator, which has no room for more on a chip: `roll_rate`
+//! makes a roll angle of the rate, a row makes the roll of the suspension of that of an axle, raised lift axles
+//! make another truck, and the path of the tractor becomes that of the trailer.
 
 use std::fmt;
 use std::str::FromStr;
@@ -33,6 +34,10 @@ macro_rules! rows {
             pub trailer_mass_sd_kg: f64,
             /// Position of the trailer's lift axles: 0 down, 1 raised.
             pub lift_axle: f64,
+            /// Whether the yaw rate is that of the tractor: 0 no, 1 yes.
+            pub yaw_rate_on_tractor: f64,
+            /// Whether the lateral acceleration is that of the tractor's path: 0 no, 1 yes.
+            pub lateral_acceleration_on_tractor: f64,
             /// Relative standard deviation of the roll angles of this turn due to the unknown mounting of the sensor of
             /// `roll_rate_radps`, whose integral they are. No signal of a log has it.
             pub roll_gain_sd: f64,
@@ -48,6 +53,8 @@ macro_rules! rows {
                     Signal::AxleRollToGravity => self.axle_roll_to_gravity_rad,
                     Signal::TrailerMassSd => self.trailer_mass_sd_kg,
                     Signal::LiftAxle => self.lift_axle,
+                    Signal::YawRateOnTractor => self.yaw_rate_on_tractor,
+                    Signal::LateralAccelerationOnTractor => self.lateral_acceleration_on_tractor,
                     $(Signal::$variant => self.$field),+
                 }
             }
@@ -62,6 +69,8 @@ macro_rules! rows {
                     axle_roll_to_gravity_rad,
                     trailer_mass_sd_kg,
                     lift_axle,
+                    yaw_rate_on_tractor,
+                    lateral_acceleration_on_tractor,
                 ] = values;
                 Self {
                     time_s,
@@ -70,6 +79,8 @@ macro_rules! rows {
                     axle_roll_to_gravity_rad,
                     trailer_mass_sd_kg,
                     lift_axle,
+                    yaw_rate_on_tractor,
+                    lateral_acceleration_on_tractor,
                     roll_gain_sd: f64::NAN,
                 }
             }
@@ -89,6 +100,10 @@ macro_rules! rows {
             TrailerMassSd,
             /// Position of the trailer's lift axles.
             LiftAxle,
+            /// Whether the yaw rate is that of the tractor.
+            YawRateOnTractor,
+            /// Whether the lateral acceleration is that of the tractor's path.
+            LateralAccelerationOnTractor,
         }
 
         impl Signal {
@@ -100,6 +115,8 @@ macro_rules! rows {
                 Self::AxleRollToGravity,
                 Self::TrailerMassSd,
                 Self::LiftAxle,
+                Self::YawRateOnTractor,
+                Self::LateralAccelerationOnTractor,
             ];
 
             /// The quantity of the estimator; `None` for what only logs have.
@@ -109,7 +126,9 @@ macro_rules! rows {
                     | Self::RollRate
                     | Self::AxleRollToGravity
                     | Self::TrailerMassSd
-                    | Self::LiftAxle => None,
+                    | Self::LiftAxle
+                    | Self::YawRateOnTractor
+                    | Self::LateralAccelerationOnTractor => None,
                     $(Self::$variant => Some(Quantity::$variant)),+
                 }
             }
@@ -221,7 +240,7 @@ impl Signal {
     }
 
     /// Number of signals.
-    pub const COUNT: usize = 5 + Quantity::COUNT;
+    pub const COUNT: usize = 7 + Quantity::COUNT;
 
     /// The name without the unit, such as `roll`.
     pub const fn name(self) -> &'static str {
@@ -232,6 +251,8 @@ impl Signal {
                 Self::AxleRollToGravity => "axle_roll_to_gravity",
                 Self::TrailerMassSd => "trailer_mass_sd",
                 Self::LiftAxle => "lift_axle",
+                Self::YawRateOnTractor => "yaw_rate_on",
+                Self::LateralAccelerationOnTractor => "lateral_acceleration_on",
                 _ => "time",
             },
         }
@@ -246,6 +267,8 @@ impl Signal {
                 Self::AxleRollToGravity => "axle_roll_to_gravity_rad",
                 Self::TrailerMassSd => "trailer_mass_sd_kg",
                 Self::LiftAxle => "lift_axle_raised",
+                Self::YawRateOnTractor => "yaw_rate_on_tractor",
+                Self::LateralAccelerationOnTractor => "lateral_acceleration_on_tractor",
                 _ => "time_s",
             },
         }
@@ -270,6 +293,12 @@ impl Signal {
                 }
                 Self::TrailerMassSd => "Standard deviation of the trailer mass.",
                 Self::LiftAxle => "Position of the trailer's lift axles: 0 down, 1 raised.",
+                Self::YawRateOnTractor => {
+                    "Whether the yaw rate is that of the tractor: 0 no, 1 yes."
+                }
+                Self::LateralAccelerationOnTractor => {
+                    "Whether the lateral acceleration is that of the tractor's path: 0 no, 1 yes."
+                }
                 _ => "Time stamp from any origin, strictly increasing.",
             },
         }
@@ -283,6 +312,7 @@ impl Signal {
                 Self::AxleRollToGravity => Dimension::Angle,
                 Self::TrailerMassSd => Dimension::Mass,
                 Self::LiftAxle => Dimension::Position,
+                Self::YawRateOnTractor | Self::LateralAccelerationOnTractor => Dimension::Place,
                 _ => Dimension::Time,
             },
         }
@@ -296,7 +326,7 @@ impl Signal {
 
     /// Whether it is the state of a part, and no number.
     pub(super) fn is_state(self) -> bool {
-        self == Self::LiftAxle
+        matches!(self, Self::LiftAxle | Self::YawRateOnTractor | Self::LateralAccelerationOnTractor)
     }
 
     /// The SI unit of this signal.

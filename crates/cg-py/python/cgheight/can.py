@@ -83,8 +83,8 @@ def read_log(
     pandas.DataFrame
         ``time_s``, the time stamps of the log in s, and the signals found, in columns with SI
         names; NaN where a value is absent. ``attrs["remarks"]`` lists doubtful values and frames.
-        The yaw rate of J1939 is that of the tractor: a vehicle file with ``[sensors.yaw_rate]
-        on_tractor = true`` says so of the table.
+        The yaw rate of J1939 is that of the tractor, and the column ``yaw_rate_on_tractor`` says
+        so.
 
     Raises
     ------

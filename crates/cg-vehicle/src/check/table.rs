@@ -247,7 +247,7 @@ const LEVEL: &[Key] = &[
 
 #[rustfmt::skip]
 const YAW_RATE: &[Key] = &[
-    other("on_tractor", Kind::Flag, "whether the yaw rate is that of the tractor, from which the path of the trailer follows, or that of the trailer; without the table, that of VDC2 is the tractor's and any other one the trailer's"),
+    other("on_tractor", Kind::Flag, "whether the yaw rate is that of the tractor, from which the path of the trailer follows, or that of the trailer; without the table, that of VDC2 is the tractor's and any other one the trailer's if no column says otherwise"),
 ];
 
 #[rustfmt::skip]
