@@ -32,6 +32,8 @@ pub struct SensorCheck {
     #[serde(default)]
     seldom: SeldomCheck,
     coarse_is_told: bool,
+    #[serde(default)]
+    gravity_mps2: f64,
 }
 
 impl SensorCheck {
@@ -50,6 +52,7 @@ impl SensorCheck {
 
     /// Takes the rest from the mean of some samples, as [`push`](Self::push).
     pub(super) fn push_mean(&mut self, mean: &Sample<f64>, design: &Design<f64>) -> bool {
+        self.gravity_mps2 = design.gravity_mps2;
         self.forces.push(mean, design);
         self.signals.push(mean);
         let is_news = self.frozen.push(mean);
@@ -117,11 +120,13 @@ impl SensorCheck {
         self.values.missing().or_else(|| self.values.cut_off())
     }
 
-    /// The signal that is sampled too seldom, that has a dead band, or whose steps are as large as its motion, or pressures that
-    /// do not belong together.
+    /// The signal that is sampled too seldom, that has a dead band, or whose steps are as large as its motion, pressures that
+    /// do not belong together, or a lateral acceleration that may also measure gravity.
     pub fn coarse(&self) -> Option<String> {
         let of_values = || self.values.dead().or_else(|| self.values.coarse());
-        self.seldom.message().or_else(|| self.pressures.message()).or_else(of_values)
+        let of_gravity = || self.signals.may_feel_gravity(self.gravity_mps2);
+        let of_single = self.seldom.message().or_else(|| self.pressures.message());
+        of_single.or_else(of_values).or_else(of_gravity)
     }
 
     /// The same, once.
@@ -129,5 +134,34 @@ impl SensorCheck {
         let found = self.coarse().filter(|_| !self.coarse_is_told)?;
         self.coarse_is_told = true;
         Some(found)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::estimate::trial::design;
+
+    /// A light trailer whose accelerometer also measures gravity, which is told once in a drive that goes on.
+    #[test]
+    fn gravity_in_the_lateral_acceleration_is_told_beside_a_yaw_rate() {
+        let (design, mut news) = (design(), 0);
+        let mut check = SensorCheck::default();
+        for k in 0..2000_u32 {
+            let mut sample = Sample::absent(u64::from(k) * 20_000);
+            let turn_mps2 = (f64::from(k) * 0.01).sin();
+            (sample.speed_mps, sample.yaw_rate_radps) = (15.0, turn_mps2 / 15.0);
+            sample.roll_rad = 0.012 * turn_mps2;
+            sample.lateral_acceleration_mps2 =
+                turn_mps2 + design.gravity_mps2 * sample.roll_rad + 1e-3 * f64::from(k % 3);
+            check.push(&sample, &design);
+            news += usize::from(check.news().is_some());
+        }
+        let message = check.coarse().unwrap();
+        assert!(
+            message.starts_with("the lateral acceleration is 1.12 times the product"),
+            "{message}"
+        );
+        assert_eq!((news, check.disagreement(design.gravity_mps2, false)), (1, None));
     }
 }

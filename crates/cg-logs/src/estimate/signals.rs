@@ -24,6 +24,10 @@ const TOLERANCE: f64 = 0.15;
 /// What is added to it for the square of the frequency of the motion, s²/rad². The side slip of a truck that moves fast changes,
 /// which is a part of its lateral acceleration: a sixth of it in a lane change of 3 s at 80 km/h (2 rad/s).
 const FAST_S2: f64 = 0.05;
+/// By how much a lateral acceleration must be too great to be told as one that may also measure gravity: two standard deviations of
+/// the gains of two good sensors, 3 % each; and how near it must be to what gravity adds, as a share of that.
+const FELT: f64 = 0.085;
+const LIKELY: f64 = 0.35;
 /// Least interval between two rows that are compared: what is faster says nothing more, s.
 const STEP_S: f64 = 0.0396;
 /// Relative difference within which a slope is attributed to a known fault.
@@ -147,6 +151,22 @@ impl SignalCheck {
         self.is_enough() && off < TOLERANCE && 2.0 * off < gravity_mps2 * self.roll.slope().abs()
     }
 
+    /// That the lateral acceleration may be one that also measures gravity: it is as much too great as that, and the gains of two good
+    /// sensors could hardly explain it.
+    pub(super) fn may_feel_gravity(&self, gravity_mps2: f64) -> Option<String> {
+        let (slope, by_gravity) = (self.lateral.slope(), gravity_mps2 * self.roll.slope());
+        let off = slope - 1.0;
+        let is_great = self.is_enough() && off > FELT + self.tolerance() - TOLERANCE;
+        (is_great && (off - by_gravity).abs() < LIKELY * by_gravity).then(|| {
+            format!(
+                "the lateral acceleration is {slope:.2} times the product of yaw rate and speed, and one that also measures gravity \
+                 when the body rolls would be {:.2} times it: if it comes from an accelerometer fixed to the body, remove its \
+                 column, so that yaw rate and speed are used instead",
+                1.0 + by_gravity
+            )
+        })
+    }
+
     /// The contradiction between lateral acceleration and yaw rate times speed, if there is one.
     pub(super) fn contradiction(&self, gravity_mps2: f64) -> Option<String> {
         // Only yaw rate times speed must vary enough. A lateral acceleration in g, or one that is
@@ -235,6 +255,25 @@ mod tests {
         assert!(confirmed(|a| a) && confirmed(|a| 1.04 * a + 0.1));
         assert!(!confirmed(|a| a * (1.0 + 9.81 * 0.013)) && !confirmed(|a| -a));
         assert!(!weaving(|a| a, 0.05, 0.013).confirms_lateral(9.81));
+    }
+
+    /// Of a light trailer gravity is as much as gains of two standard deviations, and is told; of one that hardly rolls, or of gains that
+    /// are not near it, it is not.
+    #[test]
+    fn a_lateral_acceleration_that_may_feel_gravity_is_told() {
+        let told = |gain: f64, roll: f64| {
+            let check = weaving(|a| gain * a, 1.0, roll);
+            assert_eq!(check.contradiction(9.81), None, "{gain} {roll}");
+            check.may_feel_gravity(9.81)
+        };
+        let message = told(1.13, 0.013).unwrap();
+        assert!(message.contains("1.13 times the product") && message.contains("be 1.13 times it"));
+        assert!(told(1.1, 0.013).is_some() && told(1.14, 0.011).is_some());
+        for (gain, roll) in
+            [(1.0, 0.013), (1.08, 0.009), (1.12, 0.03), (1.14, 0.008), (0.88, 0.013)]
+        {
+            assert_eq!(told(gain, roll), None, "{gain} {roll}");
+        }
     }
 
     #[test]
