@@ -131,7 +131,10 @@ impl SensorCheck {
 
     /// The same, once.
     pub fn news(&mut self) -> Option<String> {
-        let found = self.coarse().filter(|_| !self.coarse_is_told)?;
+        if self.coarse_is_told {
+            return None;
+        }
+        let found = self.coarse()?;
         self.coarse_is_told = true;
         Some(found)
     }

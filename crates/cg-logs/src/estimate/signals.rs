@@ -157,7 +157,9 @@ impl SignalCheck {
         let (slope, by_gravity) = (self.lateral.slope(), gravity_mps2 * self.roll.slope());
         let off = slope - 1.0;
         let is_great = self.is_enough() && off > FELT + self.tolerance() - TOLERANCE;
-        (is_great && (off - by_gravity).abs() < LIKELY * by_gravity).then(|| {
+        // A contradiction names its cause itself.
+        let may_feel = is_great && self.wrong_gain().is_none();
+        (may_feel && (off - by_gravity).abs() < LIKELY * by_gravity).then(|| {
             format!(
                 "the lateral acceleration is {slope:.2} times the product of yaw rate and speed, and one that also measures gravity \
                  when the body rolls would be {:.2} times it: if it comes from an accelerometer fixed to the body, remove its \
@@ -167,17 +169,17 @@ impl SignalCheck {
         })
     }
 
-    /// The contradiction between lateral acceleration and yaw rate times speed, if there is one.
-    pub(super) fn contradiction(&self, gravity_mps2: f64) -> Option<String> {
+    /// The lateral acceleration over yaw rate times speed, if the gains of two good sensors cannot explain it.
+    fn wrong_gain(&self) -> Option<f64> {
         // Only yaw rate times speed must vary enough. A lateral acceleration in g, or one that is
         // nearly zero, is compared too.
-        if !self.is_enough() {
-            return None;
-        }
-        let slope = self.lateral.gain();
-        if (slope - 1.0).abs() <= self.tolerance() {
-            return None;
-        }
+        let slope = Some(self.lateral.gain()).filter(|_| self.is_enough());
+        slope.filter(|slope| !((slope - 1.0).abs() <= self.tolerance()))
+    }
+
+    /// The contradiction between lateral acceleration and yaw rate times speed, if there is one.
+    pub(super) fn contradiction(&self, gravity_mps2: f64) -> Option<String> {
+        let slope = self.wrong_gain()?;
         let body = 1.0 + gravity_mps2 * self.roll.slope();
         let degree = 1_f64.to_radians();
         let near = |known: f64| (slope / known - 1.0).abs() < NEAR;
@@ -274,6 +276,8 @@ mod tests {
         {
             assert_eq!(told(gain, roll), None, "{gain} {roll}");
         }
+        // Of more gravity the contradiction says it.
+        assert_eq!(weaving(|a| 1.29 * a, 1.0, 0.03).may_feel_gravity(9.81), None);
     }
 
     #[test]
