@@ -24,6 +24,7 @@
 //! | [`wind`], [`side_wind`] | the side of the trailer's body, and what a side wind does to its roll | – |
 //! | [`road_twist`] | what a bank that changes along the truck does to its pairs | – |
 //! | [`trailer_path`] | the path of the trailer from the yaw rate of the tractor | – |
+//! | [`filled`] | values that an export has filled in | – |
 //! | [`preparation`] | what is done to samples before they are used: spikes, the tractor's path, road twist | – |
 //! | [`lean`] | the roll angle of a trailer whose load stands beside the middle | – |
 //! | [`reduction`] | the reduced 5th-order model and its error | section 5.5 |
@@ -96,6 +97,7 @@ pub mod side_wind;
 pub mod road_twist;
 pub mod trailer_path;
 mod twist_correction;
+pub mod filled;
 mod spikes;
 pub mod preparation;
 pub mod friction;

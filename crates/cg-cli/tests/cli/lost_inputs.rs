@@ -1,5 +1,7 @@
 //! Inputs of `cg run` that stop, freeze or are wrong from the first turn on, in logs in which nothing else shows it.
 
+use std::cell::{Cell, RefCell};
+
 use serde_json::Value;
 
 use crate::common::{Scratch, cg, kraz};
@@ -110,4 +112,43 @@ fn turns_that_are_impossible_from_the_first_one_on_are_told() {
         "{told:?}"
     );
     assert!(last_status(&events)["height_m"].is_null());
+}
+
+/// A lateral acceleration of 2 Hz in rows of 50 Hz, as lines between its values and as values that are held; one of 10 Hz is no fault.
+#[test]
+fn an_input_that_an_export_has_filled_in_is_told() {
+    let scratch = Scratch::new();
+    let all = RefCell::new(Vec::new());
+    let measured = drive(&scratch, &LATERAL, |name, _, value| {
+        if name == "lateral_acceleration_mps2" {
+            all.borrow_mut().push(value);
+        }
+        Some(value)
+    });
+    assert_eq!(notices(&run(&measured), "signal"), [""; 0]);
+    let all = all.into_inner();
+    let filled = |every: usize, is_line: bool| {
+        let row = Cell::new(0);
+        drive(&scratch, &LATERAL, |name, _, value| {
+            if name != "lateral_acceleration_mps2" {
+                return Some(value);
+            }
+            let k = row.replace(row.get() + 1);
+            let (from, to) = (k - k % every, (k - k % every + every).min(all.len() - 1));
+            #[allow(clippy::cast_precision_loss)]
+            let share = if is_line { (k - from) as f64 / every as f64 } else { 0.0 };
+            Some(all[from] + share * (all[to] - all[from]))
+        })
+    };
+    for (is_line, how) in [(true, "along a straight line"), (false, "stays at one value and then")]
+    {
+        let log = filled(25, is_line);
+        let answer = cg(&["estimate", &log, "--vehicle", &kraz(), "--format", "json"]).json();
+        let messages = answer[0]["messages"].to_string();
+        let told = notices(&run(&log), "signal").join("; ");
+        for said in [messages, told] {
+            assert!(said.contains("lateral_acceleration") && said.contains(how), "{said}");
+        }
+        assert_eq!(notices(&run(&filled(5, is_line)), "signal"), [""; 0]);
+    }
 }

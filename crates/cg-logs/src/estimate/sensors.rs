@@ -12,6 +12,7 @@ use super::pressures::PressureCheck;
 use super::seldom::SeldomCheck;
 use super::signals::SignalCheck;
 use super::values::ValueCheck;
+use cg_vehicle::filled::FilledCheck;
 
 /// Time of driving after which the mean over a drive that goes on is judged, s.
 const KNOWN_S: f64 = 120.0;
@@ -31,6 +32,8 @@ pub struct SensorCheck {
     frozen: FrozenCheck,
     #[serde(default)]
     seldom: SeldomCheck,
+    #[serde(default)]
+    filled: FilledCheck,
     coarse_is_told: bool,
     #[serde(default)]
     gravity_mps2: f64,
@@ -48,6 +51,7 @@ impl SensorCheck {
     pub(super) fn value(&mut self, sample: &Sample<f64>) {
         self.values.push(sample);
         self.seldom.push(sample);
+        self.filled.push(sample);
     }
 
     /// Takes the rest from the mean of some samples, as [`push`](Self::push).
@@ -120,13 +124,14 @@ impl SensorCheck {
         self.values.missing().or_else(|| self.values.cut_off())
     }
 
-    /// The signal that is sampled too seldom, that has a dead band, or whose steps are as large as its motion, pressures that
+    /// The signal that is sampled too seldom, that is filled in, that has a dead band, or whose steps are as large as its motion, pressures that
     /// do not belong together, or a lateral acceleration that may also measure gravity.
     pub fn coarse(&self) -> Option<String> {
         let of_values = || self.values.dead().or_else(|| self.values.coarse());
         let of_gravity = || self.signals.may_feel_gravity(self.gravity_mps2);
-        let of_single = self.seldom.message().or_else(|| self.pressures.message());
-        of_single.or_else(of_values).or_else(of_gravity)
+        let of_single = self.seldom.message().or_else(|| self.filled.message());
+        let of_pressures = || self.pressures.message();
+        of_single.or_else(of_pressures).or_else(of_values).or_else(of_gravity)
     }
 
     /// The same, once.
