@@ -25,8 +25,8 @@ pub(crate) struct RunArgs {
     /// Replay a CSV log; `-` reads standard input
     #[arg(long, group = "source", value_name = "FILE")]
     pub(crate) csv: Option<PathBuf>,
-    /// Replay at the recorded speed, without pauses of ten minutes and more, instead of as fast as possible;
-    /// with `-`, rows that stop coming end warnings
+    /// Replay a file at the recorded speed, without pauses of ten minutes and more, instead of as fast as
+    /// possible; what comes through a pipe is live, and if it stops coming, warnings end
     #[arg(long, conflicts_with = "can")]
     pub(crate) realtime: bool,
     #[command(flatten)]

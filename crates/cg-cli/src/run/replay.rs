@@ -23,20 +23,23 @@ use super::stall::{Pauses, Stalling};
 /// Pause that is not waited for, µs: a truck that is parked, or a clock that is set after a start without one.
 const PAUSE_US: u64 = 600_000_000;
 
-/// Waits until as much time has passed as between the time stamps. Rows that should come in real time are late if nothing comes.
+/// Waits until as much time has passed as between the time stamps of a file. What comes through a pipe in real time has its own pace,
+/// whatever its time stamps say, and is late if nothing comes.
 struct Pace<'a> {
     /// When the drive began, after the last long pause, the stream time of that, and the last one, µs.
     began: Option<(Instant, u64, u64)>,
     realtime: bool,
+    of_pipe: bool,
     stop: &'a Stop,
-    /// When the last one was due.
+    /// When the last one was due, or came.
     passed: Instant,
     pauses: Pauses,
 }
 
 impl<'a> Pace<'a> {
-    fn new(realtime: bool, stop: &'a Stop) -> Self {
-        Self { began: None, realtime, stop, passed: Instant::now(), pauses: Pauses::default() }
+    fn new(realtime: bool, of_pipe: bool, stop: &'a Stop) -> Self {
+        let (passed, pauses) = (Instant::now(), Pauses::default());
+        Self { began: None, realtime, of_pipe, stop, passed, pauses }
     }
 
     /// Time in which nothing has come.
@@ -49,6 +52,14 @@ impl<'a> Pace<'a> {
         if !self.realtime {
             return;
         }
+        if !self.of_pipe {
+            self.wait_until_due(stream_us);
+        }
+        self.passed = Instant::now();
+        self.pauses.tell();
+    }
+
+    fn wait_until_due(&mut self, stream_us: u64) {
         let same = |began: &(Instant, u64, u64)| stream_us.saturating_sub(began.2) < PAUSE_US;
         let now = || (Instant::now(), stream_us, stream_us);
         let (began, first_us, _) = self.began.filter(same).unwrap_or_else(now);
@@ -57,8 +68,6 @@ impl<'a> Pace<'a> {
         if let Some(rest) = due.checked_sub(began.elapsed()) {
             self.stop.wait_at_most(rest);
         }
-        self.passed = Instant::now();
-        self.pauses.tell();
     }
 }
 
@@ -179,7 +188,7 @@ pub(crate) fn candump<W: Write>(
     session: &mut Session<W>,
     stop: &Stop,
 ) -> anyhow::Result<&'static str> {
-    let (name, mut pace) = (name(path), Pace::new(realtime, stop));
+    let (name, mut pace) = (name(path), Pace::new(realtime, is_pipe(path), stop));
     let text = opened.map_or_else(|| lines(path, piped(path, &pace)?), Ok);
     let Some(text) = unless_stopped(text, stop)? else { return Ok("signal") };
     let mut reader = CandumpReader::new(BufReader::new(text), bus);
@@ -217,7 +226,7 @@ pub(crate) fn csv<W: Write>(
     session: &mut Session<W>,
     stop: &Stop,
 ) -> anyhow::Result<&'static str> {
-    let mut pace = Pace::new(realtime, stop);
+    let mut pace = Pace::new(realtime, is_pipe(path), stop);
     let opened =
         opened.map_or_else(|| piped_rows(path, options, &pace), |reader| Ok(Some(reader)))?;
     let Some(reader) = opened else { return Ok("signal") };

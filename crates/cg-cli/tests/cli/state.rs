@@ -181,3 +181,52 @@ fn a_hidden_height_stays_hidden_after_a_restart() {
         assert!(told.contains(&"load".into()), "{told:?}");
     }
 }
+
+/// The scale shows another load, and the power fails before a minute has passed: the next start has no mass yet, and must not show the
+/// height of the load before.
+#[test]
+fn a_height_that_is_hidden_stays_hidden_after_a_power_cut() {
+    let (scratch, vehicle) = (Scratch::new(), kraz());
+    let (log, state) = (scratch.path("drive.csv"), scratch.path("state.json"));
+    let drive = ["--maneuver", "rounded-step", "--duration-s", "25", "--payload-kg", "15000"];
+    cg(&[&["simulate", "--vehicle", &vehicle, "-o", &log], &drive[..]].concat()).done();
+    let head = "time_s,roll_rad,lateral_acceleration_mps2,speed_mps,trailer_mass_kg\n";
+    let straight = |from_s: f64, mass: &str| -> String {
+        let row = |k: u32| format!("{},0,0,14,{mass}\n", from_s + 0.02 * f64::from(k));
+        (0..1500).map(row).collect()
+    };
+    let text = fs::read_to_string(&log).unwrap();
+    let mut rows = text.lines().filter(|line| !line.starts_with('#'));
+    let names: Vec<&str> = rows.next().unwrap().split(',').collect();
+    let places: Vec<usize> = head
+        .trim()
+        .split(',')
+        .map(|name| names.iter().position(|known| *known == name).unwrap())
+        .collect();
+    let kept = |row: &str| {
+        let cells: Vec<&str> = row.split(',').collect();
+        places.iter().map(|&place| cells[place]).collect::<Vec<_>>().join(",") + "\n"
+    };
+    let turn: String = rows.map(kept).collect();
+    let run = ["run", "--csv", "-", "--realtime", "--vehicle", &vehicle, "--state", &state];
+    let mut first = command(&run).stdin(Stdio::piped()).stdout(Stdio::piped()).spawn().unwrap();
+    let mut pipe = first.stdin.take().unwrap();
+    pipe.write_all((head.to_owned() + &turn + &straight(26.0, "12000")).as_bytes()).unwrap();
+    let mut lines_of_first = BufReader::new(first.stdout.take().unwrap()).lines();
+    assert!(lines_of_first.any(|line| line.unwrap().contains("is no longer shown")));
+    // It is saved after the row of the notice, of which the second status from now on is a later one.
+    for _ in 0..2 {
+        assert!(lines_of_first.any(|line| line.unwrap().contains("\"status\"")));
+    }
+    first.kill().unwrap();
+    first.wait().unwrap();
+    let mut again = command(&run).stdin(Stdio::piped()).stdout(Stdio::piped()).spawn().unwrap();
+    let mut pipe = again.stdin.take().unwrap();
+    pipe.write_all((head.to_owned() + &straight(80.0, "")).as_bytes()).unwrap();
+    drop(pipe);
+    let run: Run = again.wait_with_output().unwrap().into();
+    let found = lines(&run);
+    let statuses = events(&found, "status");
+    assert!(statuses.len() > 3);
+    assert!(statuses.iter().all(|status| status["height_m"].is_null()), "{statuses:?}");
+}

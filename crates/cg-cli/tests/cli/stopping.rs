@@ -155,6 +155,28 @@ fn a_stall_of_a_live_pipe_is_told() {
     }
 }
 
+/// A clock that is set while the truck drives, and a program that starts after the one that writes: what comes through a pipe is
+/// taken when it comes. The limit leaves room for a busy computer.
+#[test]
+fn time_stamps_do_not_delay_a_live_pipe() {
+    let drive = drive();
+    let head = "time_s,roll_rad,lateral_acceleration_mps2,speed_mps\n";
+    let mut child =
+        begin(&["run", "--vehicle", &drive.truck, "--csv", "-", "--realtime", "--status-s", "1"]);
+    let mut pipe = child.stdin.take().unwrap();
+    let out = BufReader::new(child.stdout.take().unwrap());
+    let began = Instant::now();
+    let rows: String = (0..400)
+        .map(|k| f64::from(k) * 0.02 + if k < 200 { 0.0 } else { 300.0 })
+        .map(|time_s| format!("{time_s},0,0,14\n"))
+        .collect();
+    pipe.write_all((head.to_owned() + &rows).as_bytes()).unwrap();
+    drop(pipe);
+    assert_eq!(last_event(out)["frames"], 400);
+    assert!(began.elapsed() < Duration::from_secs(100), "{:?}", began.elapsed());
+    assert_eq!(child.wait().unwrap().code(), Some(1)); // no turn, no height
+}
+
 /// The log ends before its first turn.
 #[test]
 fn a_replay_without_a_height_ends_with_status_1_whatever_its_speed() {

@@ -11,7 +11,7 @@ use crate::linear::ratio_line;
 use crate::load::Load;
 use crate::ratio_spread::{
     STIFFNESSES, cornering_change, cornering_changes, height_change, log_ratios, mass_change,
-    place_change, stiffness_variances,
+    place_change, slow_sds, stiffness_variances,
 };
 use crate::vehicle::Vehicle;
 
@@ -203,6 +203,10 @@ impl<'a> Ratios<'a> {
                 }
             }
         }
+        // Slow turns of a truck have it all alike.
+        let of_slowness = |o: &Observation| slow_sds(runs[o.run].speed_mps)[o.channel.index()];
+        let slow = DVector::from_iterator(observations.len(), observations.iter().map(of_slowness));
+        noise.ger(1.0, &slow, &slow, 1.0);
         let first_in_service = (0..runs.len()).find(|&run| in_service(run));
         for (run, Run { load, turn_g, lift_axle, .. }) in runs.iter().enumerate() {
             let vehicle = vehicle.at(*lift_axle)?;

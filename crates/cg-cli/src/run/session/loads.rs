@@ -111,6 +111,7 @@ impl<W: Write> Session<W> {
             return Ok(());
         }
         self.hidden_kg = Some(known_kg);
+        self.next.save_us = 0; // a power cut must not show it again
         self.known = Known::new(None, None, (mass_kg, self.mass_source));
         let message = format!(
             "the trailer mass is {mass_kg:.0} kg and was {known_kg:.0} kg: the height of the load before it is no longer \
@@ -144,6 +145,7 @@ impl<W: Write> Session<W> {
             return Ok(());
         }
         (self.doubted.hides, self.doubted.was_old) = (true, is_old);
+        self.next.save_us = 0;
         let mass_kg = maneuver.trailer_mass_kg;
         let message = if is_old {
             format!(
