@@ -9,7 +9,6 @@ mod columns;
 mod common;
 mod faulty_runs;
 mod fuzz_seeds;
-mod gentle_drive;
 mod independent_truck;
 mod key_on;
 mod learn;

@@ -50,6 +50,9 @@ const MEMORY: f64 = 0.8;
 /// Turns from which the mounting is learned before a turn has a roll angle: from fewer, the angle
 /// of a lane change is wrong by up to a seventh, which the interval of a height would not contain.
 const LEARNING_TURNS: u64 = 3;
+/// Standard deviation of the mounting up to which it counts as known, rad. Lane changes end with the heading with which they began, and
+/// do not show it, and half a degree of it makes heights from them 4 % wrong; before the first turn it is known to three.
+const KNOWN_RAD: f64 = 0.02;
 /// Time constant below which a measured angle replaces the integrated one, s.
 const BLEND_S: f64 = 2.0;
 /// The gain that a rate must have beside an angle, and the least roll of a turn in which it shows, rad.
@@ -90,6 +93,8 @@ pub(super) struct RollAngles {
     broken: bool,
     last_rate_s: f64,
     common: Triangle<f64, 2>,
+    /// The same without what is known before the first turn.
+    measured: Triangle<f64, 2>,
     /// Number of stretches in `common`, of which each has its share.
     stretches: f64,
     /// Number of turns from which the mounting is known.
@@ -99,6 +104,13 @@ pub(super) struct RollAngles {
     gain: f64,
 }
 
+/// With what is known of mounting and sway before the first turn.
+fn with_prior(mut measured: Triangle<f64, 2>) -> Triangle<f64, 2> {
+    measured.push([1.0 / MOUNTING_SD_RAD, 0.0], 0.0);
+    measured.push([0.0, 1.0 / SWAY_SD_RAD], 0.0);
+    measured
+}
+
 impl RollAngles {
     pub(super) fn new(has_roll: bool, has_roll_to_gravity: bool) -> Self {
         let angle = match (has_roll, has_roll_to_gravity) {
@@ -106,9 +118,7 @@ impl RollAngles {
             (false, true) => Angle::ToGravity,
             (false, false) => Angle::None,
         };
-        let mut common = Triangle::new();
-        common.push([1.0 / MOUNTING_SD_RAD, 0.0], 0.0);
-        common.push([0.0, 1.0 / SWAY_SD_RAD], 0.0);
+        let measured = Triangle::new();
         Self {
             angle,
             kept: Vec::new(),
@@ -117,7 +127,8 @@ impl RollAngles {
             turned: false,
             broken: false,
             last_rate_s: f64::NEG_INFINITY,
-            common,
+            common: with_prior(measured),
+            measured,
             stretches: 0.0,
             learned: 0,
             turns: [0; 3],
@@ -247,16 +258,19 @@ impl RollAngles {
         };
         let (roll_line, turn_line) = (line(|k| k.rolled_rad), line(|k| k.heading_rad));
         let sway_line = line(|k| k.lateral);
-        let mut common = self.common;
+        let (mut common, mut measured) = (self.common, self.measured);
         if self.learned > 0 {
             common.scale(MEMORY.sqrt());
+            measured.scale(MEMORY.sqrt());
         }
         // What the lines leave.
         let rolled = |kept: &Kept| kept.rolled_rad - roll_line(kept);
         let turned_by = |kept: &Kept| kept.heading_rad - turn_line(kept);
         for kept in &straight {
             let swayed = kept.lateral - sway_line(kept);
-            common.push([weight * turned_by(kept), -weight * swayed], -weight * rolled(kept));
+            let row = [weight * turned_by(kept), -weight * swayed];
+            common.push(row, -weight * rolled(kept));
+            measured.push(row, -weight * rolled(kept));
         }
         let [mounting, sway] = common.solve(2).ok()?;
         let angle =
@@ -277,10 +291,15 @@ impl RollAngles {
         // is found from the intervals of perfect gyroscopes (test `roll_rate` of `cg-plant`).
         let free = (stretches - 2.0).max(1.0);
         let scatter = common.sum_of_squares_at(&[mounting, sway]) / free;
-        let gain_sd = (scatter * common.variance_of(&shares, 2)).sqrt();
-        (self.common, self.stretches) = (common, stretches);
+        // Lane changes do not show the mounting: what is known before the first turn is as uncertain however little they scatter.
+        let mut known = measured;
+        known.scale(scatter.sqrt().recip());
+        let sd_of = |of: &[f64; 2]| with_prior(known).variance_of(of, 2).sqrt();
+        let (gain_sd, mounting_sd) = (sd_of(&shares), sd_of(&[1.0, 0.0]));
+        (self.common, self.measured, self.stretches) = (common, measured, stretches);
         self.learned += 1;
-        (self.learned > LEARNING_TURNS).then_some((angles, gain_sd))
+        let is_known = self.learned > LEARNING_TURNS && mounting_sd < KNOWN_RAD;
+        is_known.then_some((angles, gain_sd))
     }
 
     /// The measured angle with its fast part from the rate.
@@ -339,7 +358,8 @@ impl RollAngles {
                 if without > 0 {
                     remarks.push(format!(
                         "{without} turns have no roll angle: the first {LEARNING_TURNS} only show \
-                         how the sensor of roll_rate is mounted, and turns need straight driving (below 0.3 m/s² for 4 s, \
+                         how the sensor of roll_rate is mounted, which lane changes do not (drive turns to another direction \
+                         first), and turns need straight driving (below 0.3 m/s² for 4 s, \
                          with a lateral acceleration or a yaw rate in the log) before and after them"
                     ));
                 }
