@@ -166,11 +166,11 @@ fn time_stamps_do_not_delay_a_live_pipe() {
     let mut pipe = child.stdin.take().unwrap();
     let out = BufReader::new(child.stdout.take().unwrap());
     let began = Instant::now();
-    let rows: String = (0..400)
-        .map(|k| f64::from(k) * 0.02 + if k < 200 { 0.0 } else { 300.0 })
-        .map(|time_s| format!("{time_s},0,0,14\n"))
-        .collect();
-    pipe.write_all((head.to_owned() + &rows).as_bytes()).unwrap();
+    pipe.write_all(head.as_bytes()).unwrap();
+    for k in 0..400 {
+        let time_s = f64::from(k) * 0.02 + if k < 200 { 0.0 } else { 300.0 };
+        writeln!(pipe, "{time_s},0,0,14").unwrap();
+    }
     drop(pipe);
     assert_eq!(last_event(out)["frames"], 400);
     assert!(began.elapsed() < Duration::from_secs(100), "{:?}", began.elapsed());
