@@ -42,9 +42,9 @@ fn intervals_of_slow_turns_hold() {
     for from_s in [0.0, 80.0, 100.0, 180.0, 240.0, 260.0, 280.0, 300.0] {
         let mut estimator =
             LogEstimator::from_design(&design, AlignSettings::NONE, drive.weighed());
-        between(from_s, from_s + 20.0).iter().for_each(|row| {
-            estimator.push(row).unwrap();
-        });
+        for row in between(from_s, from_s + 20.0) {
+            estimator.push(&row).unwrap();
+        }
         let found = estimator.finish();
         let (Some(height_m), Some(sd_m)) = (found.height_m, found.height_sd_m) else {
             panic!("{from_s} s: {found:?}")
