@@ -124,8 +124,8 @@ impl SensorCheck {
         self.values.missing().or_else(|| self.values.cut_off())
     }
 
-    /// The signal that is sampled too seldom, that is filled in, that has a dead band, or whose steps are as large as its motion, pressures that
-    /// do not belong together, or a lateral acceleration that may also measure gravity.
+    /// The signal that is sampled too seldom, that is filled in, that has a dead band, or whose steps are as large as its
+    /// motion, pressures that do not belong together, or a lateral acceleration that may also measure gravity.
     pub fn coarse(&self) -> Option<String> {
         let of_values = || self.values.dead().or_else(|| self.values.coarse());
         let of_gravity = || self.signals.may_feel_gravity(self.gravity_mps2);

@@ -53,6 +53,8 @@ const LEARNING_TURNS: u64 = 3;
 /// Standard deviation of the mounting up to which it counts as known, rad. Lane changes end with the heading with which they began, and
 /// do not show it, and half a degree of it makes heights from them 4 % wrong; before the first turn it is known to three.
 const KNOWN_RAD: f64 = 0.02;
+/// Least scatter of straight stretches, as a share of [`UPRIGHT_SD_RAD`] squared: those of a log that was made by hand have none.
+const LEAST_SCATTER: f64 = 1e-12;
 /// Time constant below which a measured angle replaces the integrated one, s.
 const BLEND_S: f64 = 2.0;
 /// The gain that a rate must have beside an angle, and the least roll of a turn in which it shows, rad.
@@ -291,6 +293,7 @@ impl RollAngles {
         // is found from the intervals of perfect gyroscopes (test `roll_rate` of `cg-plant`).
         let free = (stretches - 2.0).max(1.0);
         let scatter = common.sum_of_squares_at(&[mounting, sway]) / free;
+        let scatter = scatter.max(LEAST_SCATTER);
         // Lane changes do not show the mounting: what is known before the first turn is as uncertain however little they scatter.
         let mut known = measured;
         known.scale(scatter.sqrt().recip());
