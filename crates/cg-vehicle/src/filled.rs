@@ -209,7 +209,7 @@ impl FilledCheck {
         ][kind];
         Some(format!(
             "{} {how} in {:.0} % of the driving, for {long_s:.1} s each: these values are not measured, but filled in by an \
-             export or held from a slow sensor, so that the height can be wrong by 10 %, which the interval does not contain; \
+             export or held from a slow sensor, so that the height can be wrong by 10 % and more, which the interval does not contain; \
              record the values as they come, and leave the cells between them empty",
             signal.name(),
             100.0 * share

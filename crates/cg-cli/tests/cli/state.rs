@@ -182,36 +182,40 @@ fn a_hidden_height_stays_hidden_after_a_restart() {
     }
 }
 
-/// The scale shows another load, and the power fails before a minute has passed: the next start has no mass yet, and must not show the
-/// height of the load before.
+/// The height is in the state, the scale shows another load, and the power fails before the next minute has passed: the next start has
+/// no mass yet, and must not show the height of the load before.
 #[test]
 fn a_height_that_is_hidden_stays_hidden_after_a_power_cut() {
     let (scratch, vehicle) = (Scratch::new(), kraz());
     let (log, state) = (scratch.path("drive.csv"), scratch.path("state.json"));
     let drive = ["--maneuver", "rounded-step", "--duration-s", "25", "--payload-kg", "15000"];
     cg(&[&["simulate", "--vehicle", &vehicle, "-o", &log], &drive[..]].concat()).done();
-    let head = "time_s,roll_rad,lateral_acceleration_mps2,speed_mps,trailer_mass_kg\n";
-    let straight = |from_s: f64, mass: &str| -> String {
-        let row = |k: u32| format!("{},0,0,14,{mass}\n", from_s + 0.02 * f64::from(k));
-        (0..1500).map(row).collect()
-    };
+    let head = "time_s,roll_rad,lateral_acceleration_mps2,speed_mps,trailer_mass_kg";
     let text = fs::read_to_string(&log).unwrap();
     let mut rows = text.lines().filter(|line| !line.starts_with('#'));
     let names: Vec<&str> = rows.next().unwrap().split(',').collect();
-    let places: Vec<usize> = head
-        .trim()
-        .split(',')
-        .map(|name| names.iter().position(|known| *known == name).unwrap())
-        .collect();
+    let place = |name: &str| names.iter().position(|known| *known == name).unwrap();
+    let places: Vec<usize> = head.split(',').map(place).collect();
     let kept = |row: &str| {
         let cells: Vec<&str> = row.split(',').collect();
-        places.iter().map(|&place| cells[place]).collect::<Vec<_>>().join(",") + "\n"
+        places.iter().map(|&place| cells[place]).collect::<Vec<_>>().join(",")
     };
-    let turn: String = rows.map(kept).collect();
+    let turn: Vec<String> = rows.map(kept).collect();
+    let mass_kg = turn.last().unwrap().split(',').next_back().unwrap();
+    let straight = |from_s: u32, to_s: u32, mass_kg: &str| -> Vec<String> {
+        let row = |k: u32| format!("{},0,0,14,{mass_kg}", f64::from(from_s) + 0.02 * f64::from(k));
+        (0..50 * (to_s - from_s)).map(row).collect()
+    };
     let run = ["run", "--csv", "-", "--realtime", "--vehicle", &vehicle, "--state", &state];
-    let mut first = command(&run).stdin(Stdio::piped()).stdout(Stdio::piped()).spawn().unwrap();
-    let mut pipe = first.stdin.take().unwrap();
-    pipe.write_all((head.to_owned() + &turn + &straight(26.0, "12000")).as_bytes()).unwrap();
+    let begin = |parts: &[&[String]]| {
+        let mut child = command(&run).stdin(Stdio::piped()).stdout(Stdio::piped()).spawn().unwrap();
+        let mut pipe = child.stdin.take().unwrap();
+        writeln!(pipe, "{head}\n{}", parts.concat().join("\n")).unwrap();
+        (child, pipe)
+    };
+    // A minute after the turn, its height is in the state.
+    let parts = [&turn, &straight(26, 100, mass_kg), &straight(100, 130, "12000")];
+    let (mut first, pipe) = begin(&parts.map(Vec::as_slice));
     let mut lines_of_first = BufReader::new(first.stdout.take().unwrap()).lines();
     assert!(lines_of_first.any(|line| line.unwrap().contains("is no longer shown")));
     // It is saved after the row of the notice, of which the second status from now on is a later one.
@@ -220,9 +224,9 @@ fn a_height_that_is_hidden_stays_hidden_after_a_power_cut() {
     }
     first.kill().unwrap();
     first.wait().unwrap();
-    let mut again = command(&run).stdin(Stdio::piped()).stdout(Stdio::piped()).spawn().unwrap();
-    let mut pipe = again.stdin.take().unwrap();
-    pipe.write_all((head.to_owned() + &straight(80.0, "")).as_bytes()).unwrap();
+    drop(pipe);
+    assert!(!fs::read_to_string(&state).unwrap().contains("\"load_mass_kg\":null"));
+    let (again, pipe) = begin(&[&straight(140, 170, "")]);
     drop(pipe);
     let run: Run = again.wait_with_output().unwrap().into();
     let found = lines(&run);
