@@ -95,7 +95,9 @@ impl Runs {
 
     fn push(&mut self, value: f64, time_us: u64) {
         if !value.is_finite() {
-            self.interrupt();
+            if self.last.is_some() {
+                self.interrupt();
+            }
             return;
         }
         let Some((last, last_us)) = self.last.replace((value, time_us)) else { return };
@@ -122,9 +124,9 @@ impl Runs {
                 }
                 // Rounding makes jumps of one step.
                 let least = if of_row > SAME { KINK * straight } else { STEPS * self.step };
-                let typical = TYPICAL * (self.square / self.changes).sqrt();
                 let is_exact = line.rough < EXACT * of_row;
-                let (is_kink, line) = (off > least && (is_exact || off > typical), *line);
+                let is_typical = || off * off * self.changes > TYPICAL * TYPICAL * self.square;
+                let (is_kink, line) = (off > least && (is_exact || is_typical()), *line);
                 if is_kink {
                     self.end(&line, last_us);
                 }
@@ -145,17 +147,16 @@ impl Runs {
     /// Counts a run that ends with a kink.
     fn end(&mut self, line: &Line, end_us: u64) {
         let time_us = end_us.saturating_sub(line.start_us);
+        if !(line.begins && line.rows >= LEAST_ROWS && time_us >= LONG_US) {
+            return;
+        }
         let change = line.slope.abs() * time_us as f64;
-        let is_line = usize::from(change > SAME);
+        let is_line = change > SAME;
         let steps = change / self.step / f64::from(line.rows);
         let is_rounded = steps < FEW_STEPS && (steps - steps.round()).abs() < WHOLE;
-        if line.begins
-            && line.rows >= LEAST_ROWS
-            && time_us >= LONG_US
-            && !(is_line == 1 && is_rounded)
-        {
-            self.long[is_line] += 1.0;
-            self.long_us[is_line] += time_us as f64;
+        if !(is_line && is_rounded) {
+            self.long[usize::from(is_line)] += 1.0;
+            self.long_us[usize::from(is_line)] += time_us as f64;
         }
     }
 
