@@ -1,5 +1,7 @@
 //! The board: a counter of instructions or cycles, the memory in use, lines of text.
 
+use core::num::NonZeroU32;
+
 use cg_core::Height;
 use cg_firmware::Maneuver;
 use cortex_m::Peripherals;
@@ -11,6 +13,9 @@ use cortex_m_semihosting::hio::{self, HostStream};
 /// (`-icount shift=0`), and the timer of this board runs at 25 MHz.
 const INSTRUCTIONS_PER_TICK: u32 = 40;
 const RELOAD: u32 = 0x00ff_ffff;
+
+const DECIMAL: NonZeroU32 = NonZeroU32::new(10).unwrap();
+const HEXADECIMAL: NonZeroU32 = NonZeroU32::new(16).unwrap();
 
 /// Counts cycles if the chip can, otherwise QEMU's instructions.
 #[derive(Clone, Copy)]
@@ -117,25 +122,21 @@ impl Line {
         self
     }
 
+    /// Adds a number with at least `least` digits, from the first one on.
     #[inline(never)]
-    fn digits(mut self, mut value: u32, base: u32, least: usize) -> Self {
-        let mut digits = [b'0'; 10];
-        let mut count = 0;
-        for place in digits.iter_mut().rev() {
-            if value == 0 && count >= least {
-                break;
-            }
-            #[allow(clippy::cast_possible_truncation)] // a digit
-            let digit = (value % base) as u8;
-            *place = digit + if digit < 10 { b'0' } else { b'a' - 10 };
-            value /= base;
-            count += 1;
+    fn digits(mut self, value: u32, base: NonZeroU32, least: u32) -> Self {
+        let mut unit = base.get().pow(least - 1);
+        while value.checked_div(unit).is_some_and(|first| first >= base.get()) {
+            unit *= base.get();
         }
-        for digit in digits.iter().skip(digits.len() - count) {
+        while let Some(leading) = value.checked_div(unit) {
+            #[allow(clippy::cast_possible_truncation)] // a digit
+            let digit = (leading % base) as u8;
             if let Some(place) = self.bytes.get_mut(self.length) {
-                *place = *digit;
+                *place = digit + if digit < 10 { b'0' } else { b'a' - 10 };
                 self.length += 1;
             }
+            unit /= base;
         }
         self
     }
@@ -143,7 +144,7 @@ impl Line {
     /// Adds a whole number.
     #[must_use]
     pub(crate) fn whole(self, value: u32) -> Self {
-        self.digits(value, 10, 1)
+        self.digits(value, DECIMAL, 1)
     }
 
     /// Adds 64 bits as sixteen digits.
@@ -152,7 +153,7 @@ impl Line {
     pub(crate) fn hexadecimal(self, value: u64) -> Self {
         // Halves, because a division of 64 bits would enlarge the image.
         let [high, low] = [value >> 32, value & 0xFFFF_FFFF].map(|half| half as u32);
-        self.digits(high, 16, 8).digits(low, 16, 8)
+        self.digits(high, HEXADECIMAL, 8).digits(low, HEXADECIMAL, 8)
     }
 
     /// Adds a number from 0 to 400 000 with four decimals; a dash for any other.
@@ -164,7 +165,7 @@ impl Line {
         }
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // in range
         let scaled = scaled as u32;
-        self.whole(scaled / 10_000).text(".").digits(scaled % 10_000, 10, 4)
+        self.whole(scaled / 10_000).text(".").digits(scaled % 10_000, DECIMAL, 4)
     }
 
     /// Writes the line; without a debugger it is lost.

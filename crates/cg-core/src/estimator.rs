@@ -129,11 +129,10 @@ impl<T: Real, I: Identify<T>, D: Borrow<Design<T, C>>, const C: usize> Estimator
             }
         }
         let row = self.row();
-        let step = self.take_mean(&row, row.of.number == 1);
         if is_next {
             self.neighbors.add(sample.time_us, &seen);
         }
-        Ok(step)
+        Ok(self.take_mean(&row, row.of.number == 1))
     }
 
     /// How many samples make a mean.

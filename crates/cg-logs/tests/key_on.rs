@@ -112,7 +112,7 @@ fn the_height_is_that_of_the_drive() {
     let rows = from_the_key_on(&drive);
     let expected_m = plain.height_m.unwrap();
     let same = |name: &str, found_m: f64, share: f64| {
-        println!("{name}: {found_m:.4} m for {expected_m:.4} m");
+        println!("{name}: {found_m:.5} m for {expected_m:.5} m");
         assert!((found_m / expected_m - 1.0).abs() < share, "{name}: {found_m} for {expected_m}");
     };
     let whole = estimate(&rows);
@@ -122,12 +122,11 @@ fn the_height_is_that_of_the_drive() {
     };
     assert_eq!(good(&whole), good(&plain));
     // Of the beginning, only two seconds of straight driving are part of a maneuver. They say a little more of the
-    // offset of the steer angle, which moves the height by less than its random error. The lateral acceleration has
+    // offset of the steer angle, which moves the height by less than a quarter of its random error. The lateral acceleration has
     // none; but the means begin at other samples, and a line between them misses (ω τ)²/12 of the motion, 3e-4 at
     // 1.5 rad/s.
     let random_sd_m = plain.height_random_sd_m.unwrap();
-    assert!(random_sd_m < 5e-3 * expected_m, "{random_sd_m}");
-    same("in memory", whole.height_m.unwrap(), random_sd_m / expected_m);
+    same("in memory", whole.height_m.unwrap(), 0.25 * random_sd_m / expected_m);
     let [before_m, after_m] = [&plain, &whole].map(|answer| {
         let of_channel = |one: &&ChannelEstimate| one.channel == "lateral-acceleration";
         answer.channels.iter().find(of_channel).unwrap().height_m.unwrap()

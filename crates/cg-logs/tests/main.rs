@@ -19,3 +19,4 @@ mod slow_turns;
 mod spikes;
 mod twisting_frame;
 mod uncertain_runs;
+mod unsteady_turns;

@@ -6,7 +6,7 @@
 //!   in radians. The ratio identified from it is near one, and slow changes of the speed have no
 //!   effect on it.
 //! * The steer angle is used at steady speed only. Traction and braking change the response to
-//!   steering (by some 60 % per m/s² on the independent truck), but not the roll angle at a given
+//!   steering (by 60 and 100 % per m/s² on the two independent trucks), but not the roll angle at a given
 //!   lateral acceleration.
 //! * Values that a quantity cannot have (NaN, infinite, or outside its
 //!   [limits](crate::Quantity::limits)) count as absent. The state of the estimator never contains
@@ -34,14 +34,15 @@ pub(crate) const STRAIGHT_MPS2: f64 = 0.3;
 /// Lateral acceleration above which the linear model is not accurate.
 const LINEAR_MPS2: f64 = 3.5;
 
-/// Longitudinal acceleration above which the steer channel is not used. At the sensitivity given
-/// above, it changes the ratio by 3 %.
-const STEADY_MPS2: f64 = 0.05;
+/// Longitudinal acceleration above which the steer channel is not used. At the sensitivities given
+/// above, it changes the ratio by 3 to 5 %.
+pub(crate) const STEADY_MPS2: f64 = 0.05;
 /// Time constant of the filter of the lateral acceleration that detects turns. It reduces noise of
 /// 0.3 m/s² at 100 Hz to 0.04 m/s².
 const FELT_FILTER_S: f64 = 0.25;
-/// Time constant of the filter that differentiates the speed. Noise of 0.05 m/s becomes 0.025 m/s².
-const SPEED_FILTER_S: f64 = 2.0;
+/// Time constant of each of the two lags whose difference is the longitudinal acceleration. Noise of
+/// 0.05 m/s at 50 Hz becomes 0.0035 m/s², and a step of 1 km/h shows as 0.1 m/s² for a moment.
+const SPEED_FILTER_S: f64 = 1.0;
 
 /// The reason why the estimator refuses a sample. The state of the estimator is unchanged.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -87,6 +88,8 @@ pub struct Row<T, const C: usize = CHANNELS> {
     pub by_yaw_rate: bool,
     /// Last known speed, m/s; the mean of those at the samples.
     pub speed_mps: T,
+    /// Longitudinal acceleration by the change of the filtered speed, m/s².
+    pub acceleration_mps2: T,
     /// Last known trailer mass, kg.
     pub trailer_mass_kg: T,
     /// Lateral acceleration, m/s²: measured, or if absent, expected from the steer angle or from a
@@ -120,8 +123,8 @@ pub struct Conditioner<T, const C: usize = CHANNELS> {
     known_mps: T,
     /// The speed of the last row, at which the gains are.
     speed_mps: T,
-    /// The speed after a first-order lag with the time constant [`SPEED_FILTER_S`].
-    lagging_mps: Option<T>,
+    /// The speed after one and after two lags with the time constant [`SPEED_FILTER_S`].
+    lagging_mps: Option<[T; 2]>,
     trailer_mass_kg: T,
     /// Whether the gains are not those of the mass.
     is_other_mass: bool,
@@ -246,7 +249,8 @@ impl<T: Real, const C: usize> Conditioner<T, C> {
         let interval_us = self.row_us.map_or(0, |row_us| time_us.saturating_sub(row_us));
         let interval_s = seconds(interval_us);
         self.row_us = Some(time_us);
-        let steady = self.acceleration_mps2(interval_s).abs() < T::of(STEADY_MPS2);
+        let acceleration_mps2 = self.acceleration_mps2(interval_s);
+        let steady = acceleration_mps2.abs() < T::of(STEADY_MPS2);
         let gains = self.gains.unwrap_or([T::absent(); C]);
         let (mut measured_rad, mut expected_rad) = ([T::absent(); C], [T::absent(); C]);
         for (place, (measured, expected)) in
@@ -276,6 +280,7 @@ impl<T: Real, const C: usize> Conditioner<T, C> {
             to_gravity: signals.to_gravity(),
             by_yaw_rate: signals.by_yaw_rate(),
             speed_mps,
+            acceleration_mps2,
             trailer_mass_kg: self.trailer_mass_kg,
             lateral_acceleration_mps2: felt,
             turning: self.turning,
@@ -324,8 +329,10 @@ impl<T: Real, const C: usize> Conditioner<T, C> {
     /// The filtered longitudinal acceleration; zero while the speed is not known.
     fn acceleration_mps2(&mut self, interval_s: T) -> T {
         let filter_s = T::of(SPEED_FILTER_S);
-        let lagging = self.lagging_mps.get_or_insert(self.speed_mps);
-        *lagging += (self.speed_mps - *lagging) * interval_s / (filter_s + interval_s);
-        (self.speed_mps - *lagging) / filter_s
+        let share = interval_s / (filter_s + interval_s);
+        let [once, twice] = self.lagging_mps.get_or_insert([self.speed_mps; 2]);
+        *once += (self.speed_mps - *once) * share;
+        *twice += (*once - *twice) * share;
+        (*once - *twice) / filter_s
     }
 }

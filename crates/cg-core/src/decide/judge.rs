@@ -53,6 +53,7 @@ impl<'a, T: Real, const C: usize> Judge<'a, T, C> {
             }),
             to_gravity: window.to_gravity,
             by_yaw_rate: window.by_yaw_rate,
+            unsteady_square: window.unsteady_square(),
             articulation_rad: design.trailer_wheelbase_m * window.lateral_mps2()
                 / (speed_mps * speed_mps),
         };

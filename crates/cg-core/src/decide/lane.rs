@@ -303,6 +303,7 @@ mod tests {
             to_gravity: false,
             by_yaw_rate: false,
             speed_mps: 10.0,
+            acceleration_mps2: 0.0,
             trailer_mass_kg: 2e4,
             lateral_acceleration_mps2: 0.0,
             turning,

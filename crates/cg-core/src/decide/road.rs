@@ -1,4 +1,4 @@
-//! What the bank of the road and tight turns do to a ratio.
+//! What the bank of the road, tight turns and an unsteady speed do to a ratio.
 //!
 //! On a road with the bank `β` (positive if its left side is higher) the body feels the lateral
 //! acceleration `a_y + g β`, and a roll sensor relative to gravity also shows `β` itself:
@@ -22,6 +22,9 @@
 //! In a tight turn the trailer stands at the articulation angle `ψ` to the tractor. What that does to a ratio
 //! is part of the [design](crate::Articulation). The trailer follows inside the tractor's path, on a circle that
 //! is smaller by `cos ψ`, so a lateral acceleration from the yaw rate is greater than its own by that.
+//!
+//! Traction and braking change the forces at the tires and at the fifth wheel. What that does to a ratio is not part of the
+//! model, so it is an uncertainty, and turns at a steady speed count for more.
 
 use crate::math::real::Real;
 use crate::truck::articulation::Articulation;
@@ -38,6 +41,12 @@ const TWIST_SHARE: [f64; 2] = [0.02, 0.04];
 /// What `ψ²` may be without a correction, rad²: the ratios change by up to 0.9 % there, as much as the model leaves
 /// anyway. That is a turn of 68 m for a wheelbase of 7.6 m, of 110 m for one of 12.3 m.
 const USUAL_ARTICULATION: f64 = 0.0125;
+/// Relative change of the ratio from the steer angle per m/s² of longitudinal acceleration: 0.6 on the first independent truck, and
+/// 1.0 on the second one (8 % less at 0.1 m/s²).
+const STEERED_S2_PER_M: f64 = 1.0;
+/// Relative standard deviation of the other ratios per m/s² of the standard deviation of the longitudinal acceleration within a
+/// turn (docs/limits.md, nonlinear plant). A turn of the second independent truck with 0.36 m/s² had 2.3 %.
+const UNSTEADY_S2_PER_M: f64 = 0.05;
 /// If the lateral acceleration is that of the yaw rate, it is greater than the trailer's by `1/cos ψ` in a steady turn. The
 /// articulation comes some seconds after the yaw rate, which the identified dynamics do not have, so that the ratio falls by a
 /// multiple of `1 − cos ψ`: by 1.4 to 1.6 in turns of half a minute of the nonlinear plant (`euro`, `kraz`, `air`; 15 to 25 m), by
@@ -60,6 +69,8 @@ pub(crate) struct Road<T> {
     pub(crate) to_gravity: bool,
     /// Whether the lateral acceleration in a turn was that of the yaw rate.
     pub(crate) by_yaw_rate: bool,
+    /// How unsteady the speed was: see [`unsteady_square`](crate::decide::window::Window::unsteady_square).
+    pub(crate) unsteady_square: [T; 2],
     /// Articulation angle in the turns, rad.
     pub(crate) articulation_rad: T,
 }
@@ -74,8 +85,8 @@ impl<T: Real> Road<T> {
         self.bank_sd_rad * (T::one() + shown) / self.lateral_g
     }
 
-    /// Relative standard deviation of the ratio of a channel due to bank, twist and tight turns: the
-    /// part that all curves have in common, and the rest. `ratio` is what the channel can have, rad
+    /// Relative standard deviation of the ratio of a channel due to bank, twist, tight turns and an
+    /// unsteady speed: the part that all curves have in common, and the rest. `ratio` is what the channel can have, rad
     /// per m/s².
     pub(crate) fn parts(
         &self,
@@ -95,7 +106,18 @@ impl<T: Real> Road<T> {
         let [common, own] =
             [COMMON_SHARE, 1.0 - COMMON_SHARE].map(|share| sd * T::of(share).root());
         let articulation = self.articulated_sd(channel, articulation);
-        [(common * common + articulation * articulation).root(), own]
+        let common = (common * common + articulation * articulation).root();
+        [common, (own * own + self.unsteady_variance(channel)).root()]
+    }
+
+    /// Relative variance of the ratio of a channel by traction and braking. It differs from curve to
+    /// curve.
+    fn unsteady_variance(&self, channel: Channel) -> T {
+        let [steered, within] = self.unsteady_square;
+        match channel.input() {
+            Input::Steer => T::of(STEERED_S2_PER_M * STEERED_S2_PER_M) * steered,
+            _ => T::of(UNSTEADY_S2_PER_M * UNSTEADY_S2_PER_M) * within,
+        }
     }
 
     /// The factor of the ratio of a channel by articulation.
@@ -143,6 +165,7 @@ impl<T: Real, const C: usize> Design<T, C> {
             roll_rad_per_g: T::one(),
             to_gravity: false,
             by_yaw_rate,
+            unsteady_square: [T::zero(); 2],
             articulation_rad: self.trailer_wheelbase_m * curvature_per_m,
         };
         road.articulated_sd(channel, &self.articulation(channel))
@@ -163,6 +186,7 @@ mod tests {
             roll_rad_per_g: 0.22,
             to_gravity,
             by_yaw_rate: false,
+            unsteady_square: [0.0; 2],
             articulation_rad: 0.1,
         };
         for channel in [Channel::Steer, Channel::LateralAcceleration] {
@@ -185,6 +209,30 @@ mod tests {
         assert!(flat.sd_relative(Channel::Steer).abs() < f64::EPSILON);
     }
 
+    /// 0.02 m/s² where the steer angle is used change its ratio by 2 %, and 0.4 m/s² within the turn the
+    /// others by 2 %, each in its own way in every turn.
+    #[test]
+    fn an_unsteady_speed_is_an_uncertainty_of_one_turn() {
+        let road = Road {
+            bank_sd_rad: 0.0_f64,
+            lateral_g: 0.15,
+            roll_rad_per_g: 0.22,
+            to_gravity: false,
+            by_yaw_rate: false,
+            unsteady_square: [0.02 * 0.02, 0.4 * 0.4],
+            articulation_rad: 0.1,
+        };
+        for (channel, sd) in [
+            (Channel::Steer, 1.0 * 0.02),
+            (Channel::LateralAcceleration, 0.05 * 0.4),
+            (Channel::Suspension, 0.05 * 0.4),
+            (Channel::Tractor, 0.05 * 0.4),
+        ] {
+            let [common, own] = road.parts(channel, &Articulation::NONE, 0.02, 9.81);
+            assert!(common.abs() < f64::EPSILON && (own - sd).abs() < 1e-12, "{channel}");
+        }
+    }
+
     /// In a turn of 19 m the trailer stands at 0.4 rad to the tractor. That changes each ratio by its own
     /// share of the 0.1475 rad² beyond the usual, and all curves have the uncertainty in common.
     #[test]
@@ -195,6 +243,7 @@ mod tests {
             roll_rad_per_g: 0.22,
             to_gravity: false,
             by_yaw_rate: false,
+            unsteady_square: [0.0; 2],
             articulation_rad: 0.4,
         };
         let by_yaw_rate = Road { by_yaw_rate: true, ..tight };

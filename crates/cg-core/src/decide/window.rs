@@ -1,8 +1,37 @@
 //! The part of a drive whose rows are in the identifiers.
 
-use crate::decide::condition::{Row, STRAIGHT_MPS2};
+use crate::decide::condition::{Row, STEADY_MPS2, STRAIGHT_MPS2};
 use crate::decide::consistency::{RollSensorCheck, Shown};
 use crate::math::real::Real;
+
+/// The longitudinal acceleration in the turns: sums over the samples. An uncertainty needs no more digits
+/// than single precision leaves of them.
+#[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+struct Acceleration<T> {
+    sum: T,
+    square: T,
+    /// Of the samples at which it is small enough for the steer angle, and their number.
+    steady_square: T,
+    steady_samples: T,
+}
+
+impl<T: Real> Acceleration<T> {
+    const NONE: Self =
+        Self { sum: T::ZERO, square: T::ZERO, steady_square: T::ZERO, steady_samples: T::ZERO };
+
+    /// Adds a row of this many samples.
+    fn push(&mut self, acceleration_mps2: T, samples: T) {
+        let weighted = acceleration_mps2 * samples;
+        let square = acceleration_mps2 * weighted;
+        self.sum += weighted;
+        self.square += square;
+        if acceleration_mps2.abs() < T::of(STEADY_MPS2) {
+            self.steady_square += square;
+            self.steady_samples += samples;
+        }
+    }
+}
 
 /// The part of the drive whose rows are in the identifiers.
 #[derive(Clone, Copy, Debug)]
@@ -23,6 +52,7 @@ pub(crate) struct Window<T, const C: usize> {
     /// Mean speed of the samples in turns, and their number.
     pub(crate) speed_mps: T,
     turning_samples: T,
+    acceleration: Acceleration<T>,
     /// Mean square of the lateral acceleration of the samples in turns that have one, m²/s⁴, and their
     /// number.
     lateral_square: T,
@@ -53,6 +83,7 @@ impl<T: Real, const C: usize> Window<T, C> {
             start_speed_mps: row.speed_mps,
             speed_mps: T::zero(),
             turning_samples: T::zero(),
+            acceleration: Acceleration::NONE,
             lateral_square: T::zero(),
             lateral_samples: T::zero(),
             to_gravity: false,
@@ -78,6 +109,7 @@ impl<T: Real, const C: usize> Window<T, C> {
             self.last_turn_us = Some(row.time_us);
             self.turning_samples += samples;
             self.speed_mps += (row.speed_mps - self.speed_mps) * samples / self.turning_samples;
+            self.acceleration.push(row.acceleration_mps2, samples);
             let lateral = row.lateral_acceleration_mps2;
             if lateral.present() {
                 self.lateral_samples += samples;
@@ -105,6 +137,16 @@ impl<T: Real, const C: usize> Window<T, C> {
         self.lateral_square.root().max(T::of(STRAIGHT_MPS2))
     }
 
+    /// How unsteady the speed was in the turns: the mean square of the longitudinal acceleration as far
+    /// as the steer angle is used, and its variance, m²/s⁴.
+    pub(crate) fn unsteady_square(&self) -> [T; 2] {
+        let Acceleration { sum, square, steady_square, steady_samples } = self.acceleration;
+        let all = self.turning_samples.max(T::one());
+        let mean = sum / all;
+        let within = square / all - mean * mean;
+        [steady_square / steady_samples.max(T::one()), within.max(T::zero())]
+    }
+
     /// Adds a measured roll angle to the check at this place.
     pub(crate) fn look(&mut self, place: usize, shown: &Shown<T>) {
         match self.sensor_checks.get_mut(place) {
@@ -125,10 +167,10 @@ mod tests {
     use super::*;
     use crate::decide::neighbors::Samples;
 
-    /// The root mean square that remains of rows in a turn with these lateral accelerations.
-    fn lateral_mps2(rows: &[f64]) -> f64 {
+    /// A turn with these lateral and longitudinal accelerations.
+    fn turn(rows: impl IntoIterator<Item = (f64, f64)>) -> Window<f64, 1> {
         let mut window: Option<Window<f64, 1>> = None;
-        for (time_us, lateral) in (0..).zip(rows) {
+        for (time_us, (lateral, acceleration)) in (0..).zip(rows) {
             let row = Row {
                 time_us,
                 measured_rad: [0.0],
@@ -136,15 +178,37 @@ mod tests {
                 to_gravity: false,
                 by_yaw_rate: false,
                 speed_mps: 10.0,
+                acceleration_mps2: acceleration,
                 trailer_mass_kg: 2e4,
-                lateral_acceleration_mps2: *lateral,
+                lateral_acceleration_mps2: lateral,
                 turning: true,
                 usable: [true],
                 of: Samples::single(time_us),
             };
             window.get_or_insert_with(|| Window::new(&row)).push(&row, true, 2_000_000);
         }
-        window.map_or(f64::NAN, |window| window.lateral_mps2())
+        window.unwrap()
+    }
+
+    /// The root mean square that remains of rows in a turn with these lateral accelerations.
+    fn lateral_mps2(rows: &[f64]) -> f64 {
+        turn(rows.iter().map(|lateral| (*lateral, 0.0))).lateral_mps2()
+    }
+
+    /// At 0.04 and −0.03 m/s² the steer angle is used; the others have a mean of 0.1 and a variance of
+    /// (0.06² + 0.13² + 0.3² + 0.11²)/4.
+    #[test]
+    fn an_unsteady_speed_is_the_variance_of_the_acceleration() {
+        let window = turn([0.04, -0.03, 0.4, -0.01].map(|acceleration| (1.0, acceleration)));
+        let [steered, within] = window.unsteady_square();
+        assert!(
+            (steered - (0.04_f64.powi(2) + 0.03_f64.powi(2) + 0.01_f64.powi(2)) / 3.0).abs()
+                < 1e-15
+        );
+        let variance: f64 = [0.06, 0.13, 0.3, 0.11].iter().map(|off| off * off / 4.0).sum();
+        assert!((within - variance).abs() < 1e-15);
+        let [steered, within] = turn([(1.0, 0.4); 3]).unsteady_square();
+        assert!(steered.abs() < 1e-15 && within.abs() < 1e-15);
     }
 
     /// √((1.2² + 1.6²)/2) = √2.
