@@ -193,6 +193,8 @@ pub(crate) struct Status {
     #[serde(flatten)]
     pub(crate) result: Result,
     pub(crate) load_since_s: Option<f64>,
+    /// Whether no turn has given a height since the start, so that the one there is may be that of another load.
+    pub(crate) height_restored: bool,
     pub(crate) lateral_acceleration_g: Option<f64>,
     pub(crate) margin_g: Option<f64>,
     pub(crate) warning_level: usize,

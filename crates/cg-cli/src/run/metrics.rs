@@ -90,6 +90,7 @@ mod tests {
             missing: Vec::new(),
             result: Result::default(),
             load_since_s: None,
+            height_restored: false,
             lateral_acceleration_g: None,
             margin_g: None,
             warning_level: 0,

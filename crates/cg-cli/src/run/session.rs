@@ -361,7 +361,6 @@ impl<W: Write> Session<W> {
 
     fn status(&self) -> Status {
         let lateral_g = self.lateral_g();
-        let mass_kg = self.trailer_mass_kg.or(self.weighed_kg);
         Status {
             state: self.driving,
             present: self.present(),
@@ -369,14 +368,14 @@ impl<W: Write> Session<W> {
             result: self.weighing.of(
                 self.estimator.design(),
                 Known {
-                    trailer_mass_kg: mass_kg
-                        .unwrap_or_else(|| self.estimator.memory().trailer_mass_kg),
+                    trailer_mass_kg: self.present_mass_kg(),
                     trailer_mass_source: self.mass_source,
                     lift_axle: self.lift.of_truck(),
                     ..self.known.clone()
                 },
             ),
             load_since_s: self.load_since_s,
+            height_restored: self.has_height() && self.height_mps.is_nan(),
             lateral_acceleration_g: lateral_g,
             margin_g: self.known.margin_g(lateral_g),
             warning_level: self.warner.level(),

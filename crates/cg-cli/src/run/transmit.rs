@@ -60,6 +60,7 @@ mod tests {
             missing: Vec::new(),
             result,
             load_since_s: None,
+            height_restored: false,
             lateral_acceleration_g: None,
             margin_g,
             warning_level: 0,

@@ -79,6 +79,29 @@ fn two_programs_with_one_state_lose_nothing() {
     assert_eq!(scratch.names(), ["state.json", "state.json.aside-1"]);
 }
 
+/// The height of before the start is told as such until a turn of this drive has given one.
+#[test]
+fn a_height_that_no_turn_has_confirmed_is_told() {
+    let scratch = Scratch::new();
+    let (log, vehicle, state) = (fixture("logs/A_p20_h190_v50_L.csv"), kraz(), scratch.path("s"));
+    let run = ["run", "--csv", &log, "--vehicle", &vehicle, "--state", &state, "--status-s", "1"];
+    let statuses = || {
+        let found = lines(&cg(&run).done());
+        let of = |line: &serde_json::Value| {
+            (line["height_m"].is_number(), line["height_restored"].as_bool().unwrap())
+        };
+        events(&found, "status").into_iter().map(of).collect::<Vec<_>>()
+    };
+    // The turn of this log ends with it; the last status is that after it.
+    for is_restored in [false, true] {
+        let found = statuses();
+        let (last, before) = found.split_last().unwrap();
+        assert_eq!(*last, (true, false), "{found:?}");
+        let expected = (is_restored, is_restored);
+        assert!(before.len() > 5 && before.iter().all(|one| *one == expected), "{found:?}");
+    }
+}
+
 /// A reader that goes away after the first line, and a full disk. The state is that of a run that was
 /// stopped there.
 #[test]

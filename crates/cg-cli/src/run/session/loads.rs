@@ -163,6 +163,12 @@ impl<W: Write> Session<W> {
         self.notice("load", &message)
     }
 
+    /// The present mass of the trailer, kg: given, weighed, or else that of the estimator.
+    pub(super) fn present_mass_kg(&self) -> f64 {
+        let mass_kg = self.trailer_mass_kg.or(self.weighed_kg);
+        mass_kg.unwrap_or_else(|| self.estimator.memory().trailer_mass_kg)
+    }
+
     /// The mass of a load whose height is hidden, if the trailer still has another one, kg.
     pub(super) fn hidden_mass_kg(&mut self) -> Option<f64> {
         if self.doubted.hides {

@@ -450,6 +450,7 @@ fn heights_and_a_weighed_mass_are_kept_over_a_restart() {
         assert!(session.restore().unwrap());
         assert!(session.has_height());
         let status = session.status();
+        assert!(status.height_restored);
         assert_eq!(status.result.trailer_mass_source, source, "{mass_kg} kg");
         let scale = status.result.trailer_mass_scale;
         assert_eq!(scale == Some(Scale::AxleLoad), source == MassSource::Kept, "{mass_kg} kg");
