@@ -15,6 +15,7 @@ mod learn;
 mod log;
 mod mass_in_turns;
 mod shapes;
+mod short_turns;
 mod slow_turns;
 mod spikes;
 mod twisting_frame;

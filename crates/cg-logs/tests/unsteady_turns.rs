@@ -1,34 +1,11 @@
 //! Turns of the second independent truck in which it brakes or goes faster.
 #![allow(clippy::unwrap_used)]
 
-use crate::common::{Known, calibrated, known_in, vehicle};
+use crate::common::{calibrated, known_in, vehicle};
 use cg_core::AlignSettings;
 use cg_logs::estimate::LogEstimator;
-use cg_logs::log::LogRow;
 use cg_vehicle::Variant;
 use cg_vehicle::design::design_with;
-use rand::{SeedableRng, rngs::StdRng};
-use rand_distr::{Distribution, Normal};
-
-/// The log at 50 Hz with white noise: 30 dB of the roll angle, 2 mrad of the steer angle, 0.1 m/s², 3 mrad/s and 0.05 m/s.
-fn noisy(known: &Known, seed: u64) -> Vec<LogRow> {
-    let mut rng = StdRng::seed_from_u64(seed);
-    let mut rows: Vec<LogRow> = known.rows().into_iter().step_by(2).collect();
-    #[allow(clippy::cast_precision_loss)]
-    let number = rows.len() as f64;
-    let mean = rows.iter().map(|row| row.roll_rad).sum::<f64>() / number;
-    let variance = rows.iter().map(|row| (row.roll_rad - mean).powi(2)).sum::<f64>() / number;
-    let normal = Normal::new(0.0, 1.0).unwrap();
-    for row in &mut rows {
-        let mut add = |value: &mut f64, sd: f64| *value += sd * normal.sample(&mut rng);
-        add(&mut row.roll_rad, (variance * 1e-3).sqrt());
-        add(&mut row.steer_rad, 0.002);
-        add(&mut row.lateral_acceleration_mps2, 0.1);
-        add(&mut row.yaw_rate_radps, 0.003);
-        add(&mut row.speed_mps, 0.05);
-    }
-    rows
-}
 
 /// A drive of one load, in whose turns the truck goes faster by up to 0.1 m/s² or brakes, 7 % less or 2 % more roll per input than at
 /// a steady speed. As if they were as accurate as their noise, some of these drives "changed their load".
@@ -43,7 +20,7 @@ fn turns_of_one_load_at_an_unsteady_speed_do_not_contradict_each_other() {
     for seed in 0..6 {
         let mut estimator =
             LogEstimator::from_design(&design, AlignSettings::NONE, drive.weighed());
-        for row in noisy(drive, seed) {
+        for row in drive.noisy(seed) {
             estimator.push(&row).unwrap();
         }
         let found = estimator.finish();

@@ -94,7 +94,7 @@ impl<T: Real, const N: usize, R: Rows<T>> LongRun<T, N, R> {
 
     /// The long-run variance divided by `variance`, the variance of single residuals, for the
     /// unknowns `theta`. `effective` is the number of unknowns that the data determine. The result
-    /// is at least `usual`, that of white noise after the lags of the channel: one without lags.
+    /// is at least `usual`, that of white noise of the roll angle (after the lags of the channel) and of the input.
     pub(crate) fn inflation(&self, theta: &[T; N], effective: T, variance: T, usual: T) -> T {
         let believed = T::of(BELIEVED_BLOCKS);
         let variance = variance * usual;

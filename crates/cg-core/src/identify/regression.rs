@@ -5,7 +5,7 @@ use crate::identify::identifier::{Answer, Fit, Moments, Unexcited};
 use crate::identify::input_noise::InputNoise;
 use crate::identify::mean::Mean;
 use crate::identify::prior::Prior;
-use crate::identify::roll_noise::RollNoise;
+use crate::identify::roll_noise::{RollNoise, usual};
 use crate::identify::unknowns::{BEND_RAD, DRIFT, DRIFT_S, GAIN, OFFSET, REGRESSORS, UNKNOWNS};
 use crate::math::real::Real;
 use crate::truck::ratio::Measured;
@@ -197,7 +197,7 @@ impl<T: Real, const B: usize> Regression<T, B> {
         let effective = self.effective(&answer.triangle, answer.slow_sd);
         work.hidden = T::of(UNKNOWNS_F64).max(effective * slower);
         let variance = answer.noise_sd * answer.noise_sd;
-        let usual = self.roll_noise.usual(slower, variance, heard);
+        let usual = usual(slower, variance, heard);
         let inflation = self.rows.long_run.inflation(&answer.theta, effective, variance, usual);
         answer.slow_sd = answer.noise_sd * inflation.root();
         Ok(())

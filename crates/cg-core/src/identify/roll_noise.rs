@@ -60,15 +60,16 @@ impl<T: Real> RollNoise<T> {
     pub(crate) fn inflation(&self, rows: T) -> T {
         if self.lags { inflation(self.interval_s(rows)) } else { T::one() }
     }
+}
 
-    /// The long-run variance of a residual divided by its `variance`: a part of it is the response to
-    /// the noise of the input, which is slow too. At s = 0 the model has a gain of one, so the long-run
-    /// variance of that part is the variance of the input's noise. Without lags it is one.
-    pub(crate) fn usual(&self, inflation: T, variance: T, [input, passed]: [T; 2]) -> T {
-        let of_roll = (variance - passed).max(T::zero()) * inflation;
-        let usual = (of_roll + input) / variance;
-        if self.lags && usual > T::one() { usual } else { T::one() }
-    }
+/// The long-run variance of a residual divided by its `variance`: a part of it is the response to
+/// the noise of the input, which is slow too. At s = 0 the model has a gain of one, so the long-run
+/// variance of that part is the variance of the input's noise. It is at least one.
+pub(crate) fn usual<T: Real>(inflation: T, variance: T, [input, passed]: [T; 2]) -> T {
+    let of_roll = (variance - passed).max(T::zero()) * inflation;
+    let usual = (of_roll + input) / variance;
+    // This form of the comparison gives one for a residual of zero (0/0).
+    if usual > T::one() { usual } else { T::one() }
 }
 
 /// The long-run variance of white noise after the lags, divided by its variance: the noise counts as
@@ -82,6 +83,20 @@ mod tests {
     use super::*;
     use crate::math::white::white;
     use crate::truck::lags::RollLags;
+
+    /// Noise of the input with a variance of 3, of which the model passes 0.25, beside 0.75 of the roll
+    /// angle, which is as slow as the lags make it.
+    #[test]
+    fn noise_of_the_input_is_slow() {
+        for (inflation, variance, heard, expected) in [
+            (2.0_f64, 1.0, [3.0, 0.25], 0.75 * 2.0 + 3.0),
+            (1.0, 1.0, [3.0, 0.25], 0.75 + 3.0),
+            (1.0, 1.0, [0.0; 2], 1.0),
+            (1.0, 0.0, [0.0; 2], 1.0),
+        ] {
+            assert!((usual(inflation, variance, heard) - expected).abs() < 1e-15);
+        }
+    }
 
     /// White noise through the lags.
     #[test]
