@@ -6,7 +6,7 @@
 //!   in radians. The ratio identified from it is near one, and slow changes of the speed have no
 //!   effect on it.
 //! * The steer angle is used at steady speed only. Traction and braking change the response to
-//!   steering (by 60 and 100 % per m/s² on the two independent trucks), but not the roll angle at a given
+//!   steering (by 60 and 100 % per m/s² on the two independent trucks), but hardly the roll angle at a given
 //!   lateral acceleration.
 //! * Values that a quantity cannot have (NaN, infinite, or outside its
 //!   [limits](crate::Quantity::limits)) count as absent. The state of the estimator never contains
