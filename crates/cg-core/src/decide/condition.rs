@@ -36,13 +36,18 @@ const LINEAR_MPS2: f64 = 3.5;
 
 /// Longitudinal acceleration above which the steer channel is not used. At the sensitivities given
 /// above, it changes the ratio by 3 to 5 %.
-pub(crate) const STEADY_MPS2: f64 = 0.05;
+const STEADY_MPS2: f64 = 0.05;
 /// Time constant of the filter of the lateral acceleration that detects turns. It reduces noise of
 /// 0.3 m/s² at 100 Hz to 0.04 m/s².
 const FELT_FILTER_S: f64 = 0.25;
 /// Time constant of each of the two lags whose difference is the longitudinal acceleration. Noise of
 /// 0.05 m/s at 50 Hz becomes 0.0035 m/s², and a step of 1 km/h shows as 0.1 m/s² for a moment.
 const SPEED_FILTER_S: f64 = 1.0;
+
+/// Whether the steer angle is used at this longitudinal acceleration.
+pub(crate) fn is_steady<T: Real>(acceleration_mps2: T) -> bool {
+    acceleration_mps2.abs() < T::of(STEADY_MPS2)
+}
 
 /// The reason why the estimator refuses a sample. The state of the estimator is unchanged.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -250,7 +255,7 @@ impl<T: Real, const C: usize> Conditioner<T, C> {
         let interval_s = seconds(interval_us);
         self.row_us = Some(time_us);
         let acceleration_mps2 = self.acceleration_mps2(interval_s);
-        let steady = acceleration_mps2.abs() < T::of(STEADY_MPS2);
+        let steady = is_steady(acceleration_mps2);
         let gains = self.gains.unwrap_or([T::absent(); C]);
         let (mut measured_rad, mut expected_rad) = ([T::absent(); C], [T::absent(); C]);
         for (place, (measured, expected)) in

@@ -69,7 +69,7 @@ pub(crate) struct Road<T> {
     pub(crate) to_gravity: bool,
     /// Whether the lateral acceleration in a turn was that of the yaw rate.
     pub(crate) by_yaw_rate: bool,
-    /// How unsteady the speed was: see [`unsteady_square`](crate::decide::window::Window::unsteady_square).
+    /// How unsteady the speed was, m²/s⁴: see [`unsteady_square`](crate::decide::window::Window::unsteady_square).
     pub(crate) unsteady_square: [T; 2],
     /// Articulation angle in the turns, rad.
     pub(crate) articulation_rad: T,

@@ -1,6 +1,6 @@
 //! The part of a drive whose rows are in the identifiers.
 
-use crate::decide::condition::{Row, STEADY_MPS2, STRAIGHT_MPS2};
+use crate::decide::condition::{Row, STRAIGHT_MPS2, is_steady};
 use crate::decide::consistency::{RollSensorCheck, Shown};
 use crate::math::real::Real;
 
@@ -26,7 +26,7 @@ impl<T: Real> Acceleration<T> {
         let square = acceleration_mps2 * weighted;
         self.sum += weighted;
         self.square += square;
-        if acceleration_mps2.abs() < T::of(STEADY_MPS2) {
+        if is_steady(acceleration_mps2) {
             self.steady_square += square;
             self.steady_samples += samples;
         }
@@ -195,7 +195,7 @@ mod tests {
         turn(rows.iter().map(|lateral| (*lateral, 0.0))).lateral_mps2()
     }
 
-    /// At 0.04 and −0.03 m/s² the steer angle is used; the others have a mean of 0.1 and a variance of
+    /// The steer angle is used at all but 0.4 m/s². The four have a mean of 0.1 and a variance of
     /// (0.06² + 0.13² + 0.3² + 0.11²)/4.
     #[test]
     fn an_unsteady_speed_is_the_variance_of_the_acceleration() {
