@@ -139,7 +139,8 @@ function values(now) {
   show("mass", fixed(now.trailer_mass_kg / 1000, 1, " t"));
   const source = { nominal: "not weighed: any load", kept: "weighed before the restart", signal: "weighed", given: "given" }[now.trailer_mass_source];
   show("scale", `trailer mass, ${source}`);
-  show("maneuvers", now.height_restored ? `${now.maneuvers}, none since the start` : String(now.maneuvers));
+  show("maneuvers", String(now.maneuvers));
+  show("used", `maneuvers used${now.height_restored ? ", none since the start" : ""}`);
   put("gauge", gauge(now));
   const left = fixed(now.margin_g, 2, " g");
   show("margin", present(now.margin_g) ? `${left} left: ${fixed(Math.abs(now.lateral_acceleration_g), 2, " g")} of ${fixed(now.static_rollover_threshold_g, 2, " g")}.`
