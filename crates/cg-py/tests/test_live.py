@@ -270,3 +270,20 @@ def test_a_stopped_program_is_shown_and_a_new_one_found_again(phone, log):
         assert "The estimation has ended: end of log." in text(phone, "messages")
     finally:
         served.end()
+
+
+def test_a_height_of_before_the_start_is_shown_as_such(phone, log, tmp_path):
+    """The words are beside the number of maneuvers, and the page still fits a phone."""
+    kept = ["--state", str(tmp_path / "state.json")]
+    replay = [cg(), "run", "--vehicle", TRUCK, "--csv", log, *kept]
+    subprocess.run(replay, check=True, stdout=subprocess.DEVNULL)
+    served = Live(log, *kept)
+    try:
+        served.drive(100)
+        phone.get(served.url)
+        until(lambda: text(phone, "used") == "maneuvers used, none since the start")
+        assert text(phone, "maneuvers").isdigit()
+        assert text(phone, "height").endswith(" m")
+        assert is_within(phone)
+    finally:
+        served.end()
