@@ -45,7 +45,8 @@ const USUAL_ARTICULATION: f64 = 0.0125;
 /// 1.0 on the second one (8 % less at 0.1 m/s²).
 const STEERED_S2_PER_M: f64 = 1.0;
 /// Relative standard deviation of the other ratios per m/s² of the standard deviation of the longitudinal acceleration within a
-/// turn (docs/limits.md, nonlinear plant). A turn of the second independent truck with 0.36 m/s² had 2.3 %.
+/// turn (docs/limits.md, nonlinear plant), if it begins and ends on the straight. A turn of the second independent truck with
+/// 0.36 m/s² had 2.3 %.
 const UNSTEADY_S2_PER_M: f64 = 0.05;
 /// If the lateral acceleration is that of the yaw rate, it is greater than the trailer's by `1/cos ψ` in a steady turn. The
 /// articulation comes some seconds after the yaw rate, which the identified dynamics do not have, so that the ratio falls by a

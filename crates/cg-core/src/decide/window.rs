@@ -4,6 +4,12 @@ use crate::decide::condition::{Row, STRAIGHT_MPS2, is_steady};
 use crate::decide::consistency::{RollSensorCheck, Shown};
 use crate::math::real::Real;
 
+/// Share of the square of the lateral acceleration that turns usually show: of the turns of 12 s from which the uncertainty of an
+/// unsteady speed is (test `unsteady` of cg-plant), eight of ten show 0.34 to 0.40.
+const USUAL_SHOWN: f64 = 0.37;
+/// The least one; less is what rounding leaves of a constant.
+const LEAST_SHOWN: f64 = 1e-3;
+
 /// The longitudinal acceleration in the turns: sums over the samples. An uncertainty needs no more digits
 /// than single precision leaves of them.
 #[derive(Clone, Copy, Debug)]
@@ -53,10 +59,11 @@ pub(crate) struct Window<T, const C: usize> {
     pub(crate) speed_mps: T,
     turning_samples: T,
     acceleration: Acceleration<T>,
-    /// Mean square of the lateral acceleration of the samples in turns that have one, m²/s⁴, and their
-    /// number.
+    /// Mean square of the lateral acceleration of the samples in turns that have one, m²/s⁴, their
+    /// number, and its mean.
     lateral_square: T,
     lateral_samples: T,
+    lateral_mean_mps2: T,
     /// Whether a roll angle in it was relative to gravity.
     pub(crate) to_gravity: bool,
     /// Whether a lateral acceleration in its turns was that of the yaw rate.
@@ -86,6 +93,7 @@ impl<T: Real, const C: usize> Window<T, C> {
             acceleration: Acceleration::NONE,
             lateral_square: T::zero(),
             lateral_samples: T::zero(),
+            lateral_mean_mps2: T::zero(),
             to_gravity: false,
             by_yaw_rate: false,
             inherits_mass: true,
@@ -113,8 +121,9 @@ impl<T: Real, const C: usize> Window<T, C> {
             let lateral = row.lateral_acceleration_mps2;
             if lateral.present() {
                 self.lateral_samples += samples;
-                self.lateral_square +=
-                    (lateral * lateral - self.lateral_square) * samples / self.lateral_samples;
+                let share = samples / self.lateral_samples;
+                self.lateral_square += (lateral * lateral - self.lateral_square) * share;
+                self.lateral_mean_mps2 += (lateral - self.lateral_mean_mps2) * share;
             }
             self.to_gravity |= row.to_gravity;
             self.by_yaw_rate |= row.by_yaw_rate;
@@ -138,13 +147,27 @@ impl<T: Real, const C: usize> Window<T, C> {
     }
 
     /// How unsteady the speed was in the turns: the mean square of the longitudinal acceleration as far
-    /// as the steer angle is used, and its variance, m²/s⁴.
+    /// as the steer angle is used, and its variance, m²/s⁴. The variance is greater if less than usual
+    /// is [shown](Self::shown_share).
     pub(crate) fn unsteady_square(&self) -> [T; 2] {
         let Acceleration { sum, square, steady_square, steady_samples } = self.acceleration;
         let all = self.turning_samples.max(T::one());
         let mean = sum / all;
         let within = square / all - mean * mean;
-        [steady_square / steady_samples.max(T::one()), within.max(T::zero())]
+        let beyond_usual = (self.shown_share().recip() - T::of(USUAL_SHOWN.recip())).max(T::zero());
+        let within = within.max(T::zero()) * (T::one() + beyond_usual);
+        [steady_square / steady_samples.max(T::one()), within]
+    }
+
+    /// Which share of the square of the lateral acceleration in the turns remains if the mean of all rows is taken
+    /// off, with none on the straight. A ratio comes from what changes. An error in proportion to the lateral
+    /// acceleration, which changes with the speed, therefore counts for more where the lateral acceleration itself hardly
+    /// changes, as in a piece of a drive that begins and ends in a turn. All of it, if no row has one.
+    fn shown_share(&self) -> T {
+        let turning = self.turning_samples / self.weight;
+        let mean_square = self.lateral_mean_mps2 * self.lateral_mean_mps2;
+        let shown = T::one() - turning * mean_square / self.lateral_square;
+        shown.min(T::one()).max(T::of(LEAST_SHOWN))
     }
 
     /// Adds a measured roll angle to the check at this place.
@@ -167,7 +190,10 @@ mod tests {
     use super::*;
     use crate::decide::neighbors::Samples;
 
-    /// A turn with these lateral and longitudinal accelerations.
+    /// The lateral acceleration of a row on the straight.
+    const STRAIGHT: f64 = 0.01;
+
+    /// Rows with these lateral and longitudinal accelerations.
     fn turn(rows: impl IntoIterator<Item = (f64, f64)>) -> Window<f64, 1> {
         let mut window: Option<Window<f64, 1>> = None;
         for (time_us, (lateral, acceleration)) in (0..).zip(rows) {
@@ -181,7 +207,7 @@ mod tests {
                 acceleration_mps2: acceleration,
                 trailer_mass_kg: 2e4,
                 lateral_acceleration_mps2: lateral,
-                turning: true,
+                turning: lateral != STRAIGHT,
                 usable: [true],
                 of: Samples::single(time_us),
             };
@@ -206,9 +232,26 @@ mod tests {
                 < 1e-15
         );
         let variance: f64 = [0.06, 0.13, 0.3, 0.11].iter().map(|off| off * off / 4.0).sum();
-        assert!((within - variance).abs() < 1e-15);
+        // A constant lateral acceleration shows nothing.
+        let beyond_usual = 1.0 / LEAST_SHOWN - 1.0 / USUAL_SHOWN;
+        assert!((within / (variance * (1.0 + beyond_usual)) - 1.0).abs() < 1e-12);
         let [steered, within] = turn([(1.0, 0.4); 3]).unsteady_square();
         assert!(steered.abs() < 1e-15 && within.abs() < 1e-15);
+    }
+
+    /// A mean of zero takes nothing off; the means of 1 in a half and three quarters of the rows leave the others' share. What is
+    /// absent cannot be uncertain.
+    #[test]
+    fn what_hardly_changes_shows_a_small_share_of_the_turns() {
+        for (rows, share) in [
+            (&[0.5, -0.5, 0.5, -0.5][..], 1.0),
+            (&[1.0, STRAIGHT, 1.0, STRAIGHT], 0.5),
+            (&[1.0, 1.0, STRAIGHT, 1.0], 0.25),
+            (&[f64::NAN, STRAIGHT], 1.0),
+        ] {
+            let found = turn(rows.iter().map(|lateral| (*lateral, 0.0))).shown_share();
+            assert!((found - share).abs() < 1e-12, "{rows:?}: {found}");
+        }
     }
 
     /// √((1.2² + 1.6²)/2) = √2.
