@@ -337,7 +337,7 @@ mutants-tool:
 soak:
 	CG_SOAK_DRIVES=30 cargo test --release --package cg-cli --test cli a_month -- --nocapture
 
-# The table of docs/plant.md: thresholds compared with the nonlinear plant, 96 cases per vehicle (`make test`: corner cases).
+# The table of docs/plant.md: thresholds compared with the nonlinear plant, 144 cases per vehicle (`make test`: corner cases).
 rollover-table:
 	CG_ROLLOVER_TABLE=1 cargo test --workspace --test plant the_table -- --nocapture
 
