@@ -207,7 +207,7 @@ mod tests {
                 acceleration_mps2: acceleration,
                 trailer_mass_kg: 2e4,
                 lateral_acceleration_mps2: lateral,
-                turning: lateral != STRAIGHT,
+                turning: lateral.total_cmp(&STRAIGHT).is_ne(),
                 usable: [true],
                 of: Samples::single(time_us),
             };
