@@ -232,9 +232,12 @@ mod tests {
                 < 1e-15
         );
         let variance: f64 = [0.06, 0.13, 0.3, 0.11].iter().map(|off| off * off / 4.0).sum();
-        // A constant lateral acceleration shows nothing.
+        // A constant lateral acceleration shows nothing, and turns to both sides show more than usual, which adds nothing.
         let beyond_usual = 1.0 / LEAST_SHOWN - 1.0 / USUAL_SHOWN;
         assert!((within / (variance * (1.0 + beyond_usual)) - 1.0).abs() < 1e-12);
+        let sides = [(1.0, 0.04), (-1.0, -0.03), (-1.0, 0.4), (1.0, -0.01)];
+        let [_, within] = turn(sides).unsteady_square();
+        assert!((within - variance).abs() < 1e-15);
         let [steered, within] = turn([(1.0, 0.4); 3]).unsteady_square();
         assert!(steered.abs() < 1e-15 && within.abs() < 1e-15);
     }
