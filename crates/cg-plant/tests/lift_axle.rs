@@ -3,7 +3,7 @@
 
 use crate::{common, drawn};
 use cg_logs::calibrate::{CalibrateOptions, KnownLoad, KnownLog, calibrate};
-use cg_logs::estimate::{EstimateOptions, LogEstimate, LogEstimator, RoadChoice};
+use cg_logs::estimate::{EstimateOptions, LogEstimate, LogEstimator, RoadChoice, Truck};
 use cg_logs::log::LogRow;
 use cg_plant::maneuver::Maneuver;
 use cg_plant::sensors::Sensors;
@@ -84,27 +84,34 @@ impl Drawn<'_> {
         calibration.unwrap().belief()
     }
 
-    fn estimate(&self, belief: &Belief, load: Load, rows: &[LogRow]) -> LogEstimate {
-        let options = EstimateOptions {
-            trailer_mass_kg: Some(load.trailer_mass_kg),
-            road: Some(RoadChoice::FLAT), // that of the plant
-            ..EstimateOptions::default()
-        };
-        let mut estimator = LogEstimator::of_truck(self.file, belief, options).unwrap();
-        for row in rows {
-            estimator.push(row).unwrap();
-        }
-        estimator.finish()
+    /// The truck of the file after a calibration, with its axles down, and with one raised.
+    fn positions(&self) -> (Truck, Option<Truck>) {
+        let road = Some(RoadChoice::FLAT); // that of the plant
+        let options = EstimateOptions { road, ..EstimateOptions::default() };
+        Truck::positions(self.file, &self.calibrated(), options).unwrap()
     }
+}
+
+fn estimate((down, raised): &(Truck, Option<Truck>), load: Load, rows: &[LogRow]) -> LogEstimate {
+    let weighed = |truck: &Truck| {
+        let trailer_mass_kg = Some(load.trailer_mass_kg);
+        let options = EstimateOptions { trailer_mass_kg, ..truck.options };
+        Truck { options, ..truck.clone() }
+    };
+    let mut estimator = LogEstimator::of_positions(&weighed(down), raised.as_ref().map(weighed));
+    for row in rows {
+        estimator.push(row).unwrap();
+    }
+    estimator.finish()
 }
 
 /// For each load: whether the interval holds the truth, the error divided by its standard deviation, and relative.
 fn outcome(drawn: &Drawn<'_>) -> [(bool, f64, f64); 2] {
-    let belief = drawn.calibrated();
+    let positions = drawn.positions();
     [0, 1].map(|k| {
         let (payload_kg, height_m) = LOADS[k];
         let (load, rows) = drawn.turn(LiftAxle::Raised, (payload_kg, Some(height_m)), 2 + k as u64);
-        let estimate = drawn.estimate(&belief, load, &rows);
+        let estimate = estimate(&positions, load, &rows);
         let (found_m, sd_m) = (estimate.height_m.unwrap(), estimate.height_sd_m.unwrap());
         let [low_m, high_m] = estimate.height_ci95_m.unwrap();
         let error_m = found_m - height_m;

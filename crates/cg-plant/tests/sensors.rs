@@ -326,10 +326,11 @@ fn faults() -> Vec<(&'static str, Sensors)> {
 /// The height stays inside its own 95 % interval or the log is rejected with a reason.
 fn within_its_interval(name: &str, scenario: Scenario) -> Vec<String> {
     let vehicle = vehicle(name);
+    let fresh = LogEstimator::new(&vehicle, EstimateOptions::default()).unwrap();
     let mut wrong = Vec::new();
     for (fault, sensors) in faults() {
         let simulation = LogSimulation::new(&vehicle, Scenario { sensors, ..scenario }).unwrap();
-        let mut estimator = LogEstimator::new(&vehicle, EstimateOptions::default()).unwrap();
+        let mut estimator = fresh.clone();
         simulation.run(|row| estimator.push(row).map(drop)).unwrap();
         let estimate = estimator.finish();
         let known_m = simulation.truth.height_m;

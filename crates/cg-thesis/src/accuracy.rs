@@ -188,11 +188,22 @@ impl Experiment {
     /// # Errors
     /// As [`Experiment::run`].
     pub fn score(&self, vehicle: &Vehicle) -> Result<Score, VehicleError> {
-        let design = design(vehicle, self.scenario.variant)?;
+        self.score_with(vehicle, &design(vehicle, self.scenario.variant)?)
+    }
+
+    /// The same with an existing design of the vehicle, for many experiments with it.
+    ///
+    /// # Errors
+    /// As [`Experiment::run`].
+    pub fn score_with(
+        &self,
+        vehicle: &Vehicle,
+        design: &Design<f64>,
+    ) -> Result<Score, VehicleError> {
         let truth_m = self.scenario.load.cg_height_m;
         let (mut sum, mut square, mut stated, mut covered) = (0.0, 0.0, 0.0, 0.0);
         let mut answered = 0;
-        self.run(vehicle, &design, |estimate| {
+        self.run(vehicle, design, |estimate| {
             let (Some(height_m), Some(whole_sd_m)) = (estimate.height_m, estimate.height_sd_m)
             else {
                 return;

@@ -5,13 +5,15 @@
 use crate::common;
 use std::fmt::Write;
 
+use cg_core::Design;
 use cg_logs::estimate::{EstimateOptions, LogEstimator, Method};
 use cg_logs::log::LogRow;
 use cg_plant::maneuver::Maneuver;
 use cg_plant::sensors::Sensors;
 use cg_plant::simulate::{LogSimulation, Plant, Scenario};
 use cg_thesis::accuracy::{Experiment, Score, Truck};
-use cg_vehicle::{Load, Vehicle};
+use cg_vehicle::design::design;
+use cg_vehicle::{Load, Variant, Vehicle};
 
 /// Noise of this strength, without other sensor errors.
 fn noise(snr_db: f64) -> Sensors {
@@ -46,10 +48,10 @@ fn step(vehicle: &Vehicle, sensors: Sensors) -> Scenario {
     Scenario { sensors, ..Scenario::of(vehicle, Maneuver::RoundedStep) }
 }
 
-fn score(vehicle: &Vehicle, sensors: Sensors, runs: u32) -> Score {
+fn score(vehicle: &Vehicle, design: &Design<f64>, sensors: Sensors, runs: u32) -> Score {
     let experiment =
         Experiment { truck: Truck::Drawn, runs, ..Experiment::of(step(vehicle, sensors)) };
-    experiment.score(vehicle).unwrap()
+    experiment.score_with(vehicle, design).unwrap()
 }
 
 fn told(name: &str, score: &Score, runs: u32) {
@@ -68,7 +70,8 @@ fn told(name: &str, score: &Score, runs: u32) {
 #[test]
 fn the_interval_is_true() {
     let vehicle = common::vehicle("baseline.toml");
-    let nominal = score(&vehicle, noise(20.0), 1000);
+    let design = design(&vehicle, Variant::Complete).unwrap();
+    let nominal = score(&vehicle, &design, noise(20.0), 1000);
     told("nothing", &nominal, 1000);
     assert_eq!(nominal.answered, 1000);
     assert!((0.93..=0.97).contains(&nominal.coverage), "{nominal:?}");
@@ -79,9 +82,10 @@ fn the_interval_is_true() {
 #[test]
 fn the_interval_stays_true_whatever_is_wrong() {
     let vehicle = common::vehicle("baseline.toml");
+    let design = design(&vehicle, Variant::Complete).unwrap();
     println!("| fault | answered, % | bias, % | rmse, % | stated sd, % | coverage, % |");
     for (name, sensors, least) in faults() {
-        let score = score(&vehicle, sensors, 300);
+        let score = score(&vehicle, &design, sensors, 300);
         told(name, &score, 300);
         assert!(f64::from(score.answered) >= 300.0 * least, "{name}: {score:?}");
         assert!(score.coverage >= 0.9, "{name}: {score:?}");
@@ -114,7 +118,7 @@ fn a_sensor_at_the_end_of_its_range_gives_no_height() {
         let sensors = Sensors { roll_limit_rad: Some(limit_rad), ..noise(20.0) };
         let (mut heights, mut reasons) = (0, Vec::new());
         let experiment = Experiment { runs: 20, ..Experiment::of(step(&vehicle, sensors)) };
-        let design = cg_vehicle::design::design(&vehicle, experiment.scenario.variant).unwrap();
+        let design = design(&vehicle, experiment.scenario.variant).unwrap();
         experiment
             .run(&vehicle, &design, |estimate| {
                 heights += usize::from(estimate.height_m.is_some());
@@ -140,6 +144,7 @@ fn the_map_is_as_it_was() {
     let vehicle = common::vehicle("baseline.toml");
     let header = "maneuver,rate_hz,snr_db,payload_t,height_m,bias_percent,rmse_percent,\
                   bound_percent,coverage_percent";
+    let design = design(&vehicle, Variant::Complete).unwrap();
     let mut map = format!("{header}\n");
     let (mut covered, mut cells) = (0.0, 0.0);
     for (name, maneuver) in [
@@ -154,8 +159,8 @@ fn the_map_is_as_it_was() {
             };
             let sensors = noise(snr_db);
             let scenario = Scenario { load, rate_hz, sensors, ..Scenario::of(&vehicle, maneuver) };
-            let score =
-                Experiment { runs: 60, ..Experiment::of(scenario) }.score(&vehicle).unwrap();
+            let experiment = Experiment { runs: 60, ..Experiment::of(scenario) };
+            let score = experiment.score_with(&vehicle, &design).unwrap();
             let [bias, rmse, bound, coverage] =
                 [score.bias, score.rmse, score.bound, score.coverage].map(|share| 100.0 * share);
             writeln!(

@@ -81,15 +81,32 @@ enum Yaw {
 
 const YAWS: [Yaw; 3] = [Yaw::Nobodys, Yaw::Trailers, Yaw::Tractors];
 
+const PAIRS: [Channel; 2] = [Channel::Suspension, Channel::Tractor];
+
+/// A truck, and an estimator for logs of each pair.
+struct Truck {
+    vehicle: Vehicle,
+    estimators: [LogEstimator; 2],
+}
+
+impl Truck {
+    fn of_file(name: &str) -> Self {
+        let vehicle = common::vehicle(name);
+        let estimators = PAIRS.map(|pair| {
+            let options = EstimateOptions { channel: Some(pair), ..EstimateOptions::default() };
+            LogEstimator::new(&vehicle, options).unwrap()
+        });
+        Self { vehicle, estimators }
+    }
+}
+
 /// The ratio of a pair from a drive, and the root mean square of the specific force in its turns, m/s².
 fn found(
-    vehicle: &Vehicle,
+    mut estimator: LogEstimator,
     (rows, of_tractor): &Drive,
     pair: Channel,
     yaw: Yaw,
 ) -> Option<[f64; 2]> {
-    let options = EstimateOptions { channel: Some(pair), ..EstimateOptions::default() };
-    let mut estimator = LogEstimator::new(vehicle, options).unwrap();
     let yaw_rate_on_tractor = f64::from(u8::from(yaw == Yaw::Tractors));
     let force = |row: &LogRow| match pair {
         Channel::Tractor => row.tractor_lateral_specific_force_mps2,
@@ -150,7 +167,7 @@ fn drive(vehicle: &Vehicle, load: Load, road: &Road) -> Drive {
 /// tractor's. They are against the same drive on a road without twist, from which nothing is taken. Without superelevation, both
 /// drives are the same.
 fn errors(
-    vehicle: &Vehicle,
+    Truck { vehicle, estimators }: &Truck,
     (payload_kg, cg_height_m): (f64, f64),
     (ramps, superelevation_rad): (Ramps, f64),
 ) -> [[Option<f64>; 3]; 2] {
@@ -160,22 +177,26 @@ fn errors(
     let even = drive(vehicle, load, &road);
     let twisted =
         if superelevation_rad > 0.0 { drive(vehicle, load, &road.twisted()) } else { even.clone() };
-    [Channel::Suspension, Channel::Tractor].map(|pair| {
-        let even = found(vehicle, &even, pair, Yaw::Nobodys);
+    [0, 1].map(|k: usize| {
+        let ratio = |drive: &Drive, yaw| found(estimators[k].clone(), drive, PAIRS[k], yaw);
+        let even = ratio(&even, Yaw::Nobodys);
         YAWS.map(|yaw| {
-            let ([even, force_mps2], [twisted, _]) = (even?, found(vehicle, &twisted, pair, yaw)?);
+            let ([even, force_mps2], [twisted, _]) = (even?, ratio(&twisted, yaw)?);
             Some((twisted - even) * force_mps2)
         })
     })
 }
 
 /// Root mean squares of the errors of both pairs over all trucks, loads and ramps, mrad, for each yaw rate.
-fn rms_mrad(what: &str, ramps: &[Ramps], superelevation_rad: f64) -> [[f64; 3]; 2] {
+fn rms_mrad(
+    what: &str,
+    trucks: &[Truck],
+    (ramps, superelevation_rad): (&[Ramps], f64),
+) -> [[f64; 3]; 2] {
     let loads = if std::env::var("CG_DRIVES").is_ok() { &LOADS[..] } else { &LOADS[..1] };
-    let trucks = TRUCKS.map(common::vehicle);
     let mut cases = Vec::new();
     for ramps in ramps {
-        for truck in &trucks {
+        for truck in trucks {
             cases.extend(loads.iter().map(|load| (truck, *load, (*ramps, superelevation_rad))));
         }
     }
@@ -207,9 +228,10 @@ fn rms_mrad(what: &str, ramps: &[Ramps], superelevation_rad: f64) -> [[f64; 3]; 
 #[test]
 fn ramps_of_superelevation_are_in_the_interval() {
     const STATED_MRAD: [f64; 2] = [0.4, 0.8];
-    let alike = rms_mrad("alike", &ALIKE, SUPERELEVATION_RAD);
-    let unlike = rms_mrad("unlike", &UNLIKE, SUPERELEVATION_RAD);
-    let flat = rms_mrad("flat", &ALIKE[..3], 0.0);
+    let trucks = TRUCKS.map(Truck::of_file);
+    let alike = rms_mrad("alike", &trucks, (&ALIKE, SUPERELEVATION_RAD));
+    let unlike = rms_mrad("unlike", &trucks, (&UNLIKE, SUPERELEVATION_RAD));
+    let flat = rms_mrad("flat", &trucks, (&ALIKE[..3], 0.0));
     for (pair, stated_mrad) in STATED_MRAD.into_iter().enumerate() {
         let ([alike, alike_with @ ..], [unlike, unlike_with @ ..]) = (alike[pair], unlike[pair]);
         assert!((0.5 * stated_mrad..stated_mrad).contains(&alike), "{pair}: {alike}");

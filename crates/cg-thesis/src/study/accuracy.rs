@@ -3,9 +3,11 @@
 use super::data::{Abscissa, Panel, Quantity, Series, Study, Unit};
 use super::setting::Setting;
 use crate::accuracy::{Experiment, Score};
+use cg_core::Design;
 use cg_plant::maneuver::Maneuver;
 use cg_plant::sensors::Sensors;
 use cg_plant::simulate::{LogSimulation, Scenario};
+use cg_vehicle::design::design;
 use cg_vehicle::error::VehicleError;
 use cg_vehicle::{Load, Vehicle};
 
@@ -31,17 +33,18 @@ pub(super) fn study(setting: &Setting) -> Result<Study, VehicleError> {
         Scenario { load, sensors, ..Scenario::of(vehicle, Maneuver::RoundedStep) }
     };
     let reference = vehicle.reference_load();
-    let snr = points(vehicle, &[5.0, 10.0, 15.0, 20.0, 25.0, 30.0, 35.0, 40.0], |snr_db| {
+    let known = (vehicle, &design(vehicle, turn(reference, SNR_DB).variant)?);
+    let snr = points(known, &[5.0, 10.0, 15.0, 20.0, 25.0, 30.0, 35.0, 40.0], |snr_db| {
         turn(reference, snr_db)
     })?;
     let empty_kg = vehicle.empty_trailer_mass_kg();
     let payload_kg: Vec<f64> = (1..=5).map(|k| 5e3 * f64::from(k)).collect();
-    let payload = points(vehicle, &payload_kg, |payload_kg| {
+    let payload = points(known, &payload_kg, |payload_kg| {
         let load = Load { trailer_mass_kg: empty_kg + payload_kg, ..reference };
         noise_as_under(vehicle, turn(load, SNR_DB), reference)
     })?;
     let heights: Vec<f64> = (0..6).map(|k| 1.5 + 0.15 * f64::from(k)).collect();
-    let height = points(vehicle, &heights, |cg_height_m| {
+    let height = points(known, &heights, |cg_height_m| {
         let load = Load { cg_height_m, ..reference };
         noise_as_under(vehicle, turn(load, SNR_DB), reference)
     })?;
@@ -53,7 +56,7 @@ pub(super) fn study(setting: &Setting) -> Result<Study, VehicleError> {
         steer_rad: Some(TURN_G / USUAL_G * whole.steer_rad),
         ..turn(reference, SNR_DB)
     };
-    let time = points(vehicle, &seconds, |since_s| {
+    let time = points(known, &seconds, |since_s| {
         let mut scenario = until(since_s);
         // The noise is that of the whole turn, although the log ends earlier.
         let noise_rad = LogSimulation::new(vehicle, scenario).map(|log| log.truth.noise_sd_rad);
@@ -123,14 +126,15 @@ fn noise_as_under(vehicle: &Vehicle, scenario: Scenario, reference: Load) -> Sce
     Scenario { sensors: Sensors { snr_db, ..scenario.sensors }, ..scenario }
 }
 
+/// The scores of a vehicle, with its design, in some scenarios.
 fn points(
-    vehicle: &Vehicle,
+    (vehicle, design): (&Vehicle, &Design<f64>),
     values: &[f64],
     scenario: impl Fn(f64) -> Scenario,
 ) -> Result<Vec<(f64, Score)>, VehicleError> {
     let score = |&value: &f64| {
         let experiment = Experiment { runs: RUNS, ..Experiment::of(scenario(value)) };
-        Ok((value, experiment.score(vehicle)?))
+        Ok((value, experiment.score_with(vehicle, design)?))
     };
     values.iter().map(score).collect()
 }
