@@ -19,51 +19,68 @@ const MANEUVERS: [Maneuver; 3] = [Maneuver::RoundedStep, Maneuver::LaneChange, M
 /// Lateral acceleration of all of them.
 const LATERAL_G: f64 = 0.15;
 
-/// Where the sensor is, and what the vehicle file says of it.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Yaw {
-    Trailers,
-    Tractors,
-    /// The tractor's, of which the file says nothing.
-    Unsaid,
+/// What a truck measures in the two steps of its calibration, and then in each maneuver with another load.
+struct Logs {
+    steps: [Vec<LogRow>; 2],
+    maneuvers: [Vec<LogRow>; MANEUVERS.len()],
 }
 
-/// Rows whose only input is the yaw rate.
-fn rows(truck: &mut Truck, load: Load, maneuver: Maneuver) -> Vec<LogRow> {
-    let alone =
-        |row: LogRow| LogRow { steer_rad: f64::NAN, lateral_acceleration_mps2: f64::NAN, ..row };
-    truck.rows(load, maneuver, LATERAL_G).into_iter().map(alone).collect()
+/// The loads of these steps and of the maneuvers.
+fn loads(file: &Vehicle) -> [Load; 3] {
+    [(0.0, 0.0), (20e3, 2.1), (12e3, 1.8)]
+        .map(|(payload_kg, height_m)| laden(file, payload_kg, height_m))
 }
 
-/// The heights of a truck in each maneuver, with the calibration on its own steps.
-fn found(file: &Vehicle, yaw: Yaw, seed: u64) -> Option<[Option<Found>; MANEUVERS.len()]> {
+impl Logs {
+    /// Those of a truck that is drawn from this file, with no input but the yaw rate of its sensor.
+    fn of(file: &Vehicle, seed: u64) -> Self {
+        let mut truck = Truck::drawn(file, seed);
+        let mut rows = |load: Load, maneuver: Maneuver| {
+            let alone = |row: LogRow| LogRow {
+                steer_rad: f64::NAN,
+                lateral_acceleration_mps2: f64::NAN,
+                ..row
+            };
+            truck.rows(load, maneuver, LATERAL_G).into_iter().map(alone).collect()
+        };
+        let [empty, laden, other] = loads(file);
+        Self {
+            steps: [empty, laden].map(|load| rows(load, Maneuver::RoundedStep)),
+            maneuvers: MANEUVERS.map(|maneuver| rows(other, maneuver)),
+        }
+    }
+
+    /// The heights in each maneuver, of whoever knows this file of the truck, with the calibration on its own steps.
+    fn found(&self, known: &Vehicle) -> Option<[Option<Found>; MANEUVERS.len()]> {
+        let [_, laden, other] = loads(known);
+        let height = KnownLoad::exact(laden.cg_height_m, None);
+        let logs = [("empty", KnownLoad::Empty), ("laden", height)]
+            .map(|(log, load)| KnownLog { log: log.to_owned(), load });
+        let calibration = calibrate(known, CalibrateOptions::default(), &logs, |log, estimator| {
+            for row in &self.steps[usize::from(log.log == "laden")] {
+                estimator.push(row).unwrap();
+            }
+            Ok::<(), VehicleError>(())
+        });
+        let design = design_with(known, Variant::Complete, &calibration.ok()?.belief()).ok()?;
+        Some(self.maneuvers.each_ref().map(|rows| {
+            let options = EstimateOptions::default().with_file(known);
+            let mut estimator = LogEstimator::from_design(&design, AlignSettings::NONE, options);
+            for row in rows {
+                estimator.push(row).unwrap();
+            }
+            let found = estimator.finish();
+            let truth_m = other.cg_height_m;
+            Some([found.height_m? / truth_m - 1.0, found.height_sd_m? / truth_m])
+        }))
+    }
+}
+
+/// A vehicle file whose yaw rate is the tractor's.
+fn with_tractors_yaw(file: &Vehicle) -> Vehicle {
     let mut on_tractor = file.clone();
     on_tractor.sensors = file.sensors.with_tractor_yaw();
-    let mut truck = Truck::drawn(if yaw == Yaw::Trailers { file } else { &on_tractor }, seed);
-    let known = if yaw == Yaw::Tractors { &on_tractor } else { file };
-    let loads = [laden(file, 0.0, 0.0), laden(file, 20e3, 2.1)];
-    let runs = loads.map(|load| rows(&mut truck, load, Maneuver::RoundedStep));
-    let height = KnownLoad::exact(loads[1].cg_height_m, None);
-    let logs = [("empty", KnownLoad::Empty), ("laden", height)]
-        .map(|(log, load)| KnownLog { log: log.to_owned(), load });
-    let calibration = calibrate(known, CalibrateOptions::default(), &logs, |log, estimator| {
-        for row in &runs[usize::from(log.log == "laden")] {
-            estimator.push(row).unwrap();
-        }
-        Ok::<(), VehicleError>(())
-    });
-    let design = design_with(known, Variant::Complete, &calibration.ok()?.belief()).ok()?;
-    let load = laden(file, 12e3, 1.8);
-    Some(MANEUVERS.map(|maneuver| {
-        let options = EstimateOptions::default().with_file(known);
-        let mut estimator = LogEstimator::from_design(&design, AlignSettings::NONE, options);
-        for row in rows(&mut truck, load, maneuver) {
-            estimator.push(&row).unwrap();
-        }
-        let found = estimator.finish();
-        let truth_m = load.cg_height_m;
-        Some([found.height_m? / truth_m - 1.0, found.height_sd_m? / truth_m])
-    }))
+    on_tractor
 }
 
 /// Without the lag of the trailer its roll comes later than the model allows, in all but long turns. With it, no height is lost
@@ -74,23 +91,25 @@ fn the_tractors_yaw_rate_is_as_good_as_the_trailers() {
     let count = std::env::var("CG_TRUCKS").map_or(TRUCKS, |count| count.parse().unwrap());
     let files =
         ["kraz", "euro", "baseline", "air"].map(|name| common::vehicle(&format!("{name}.toml")));
-    let [trailers, tractors, unsaid] = [Yaw::Trailers, Yaw::Tractors, Yaw::Unsaid].map(|yaw| {
-        let trucks = files.iter().flat_map(|file| (0..count).map(move |number| (file, number)));
-        let trucks: Vec<_> = trucks.zip(7000..).collect();
-        let all = trucks.par_iter().map(|((file, _), seed)| found(file, yaw, *seed));
+    let trucks = files.iter().flat_map(|file| (0..count).map(move |number| (file, number)));
+    let trucks: Vec<_> = trucks.zip(7000..).collect();
+    let all = trucks.par_iter().map(|((file, _), seed)| {
+        let on_tractor = with_tractors_yaw(file);
+        let of_trailer = Logs::of(file, *seed).found(file);
+        let logs = Logs::of(&on_tractor, *seed);
+        [of_trailer, logs.found(&on_tractor), logs.found(file)]
+    });
+    let all: Vec<_> = all.collect();
+    let names = ["the trailer's", "the tractor's", "the tractor's as if it were the trailer's"];
+    let [trailers, tractors, unsaid] = [0, 1, 2].map(|yaw: usize| {
         let mut answers = MANEUVERS.map(|_| Answers::default());
-        for of_truck in all.collect::<Vec<_>>().into_iter().flatten() {
+        for of_truck in all.iter().filter_map(|of_truck| of_truck[yaw]) {
             for (answers, found) in answers.iter_mut().zip(of_truck) {
                 answers.add(found);
             }
         }
-        let name = match yaw {
-            Yaw::Trailers => "the trailer's",
-            Yaw::Tractors => "the tractor's",
-            Yaw::Unsaid => "the tractor's as if it were the trailer's",
-        };
         for (answers, maneuver) in answers.iter().zip(MANEUVERS) {
-            answers.print(&format!("{maneuver:?}"), name);
+            answers.print(&format!("{maneuver:?}"), names[yaw]);
         }
         answers
     });
