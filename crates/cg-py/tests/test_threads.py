@@ -60,10 +60,10 @@ def test_one_stream_may_be_pushed_and_asked_from_several_threads(kraz, turn):
 @pytest.mark.parametrize("work", ["estimate", "arx"])
 def test_other_threads_go_on_while_a_loop_runs(work, kraz, turn):
     random = np.random.default_rng(4)
-    copies = 5000
+    copies = 3000
     roll, steer = (np.tile(turn[name], copies) for name in ("roll_rad", "steer_rad"))
     time_s = 0.01 * np.arange(len(roll))
-    noise = random.standard_normal(1_000_000)
+    noise = random.standard_normal(250_000)
 
     def compute() -> None:
         if work == "estimate":
