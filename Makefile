@@ -81,7 +81,7 @@ rust-build: cg | $(filter venv,$(MAKECMDGOALS))
 	cargo test --workspace --no-run
 
 YIELDING := nice -n 19
-STATISTICS := thesis
+STATISTICS := plant thesis
 TESTS := $(shell sed -n '/^\[\[test/ { n; s/^name = "\(.*\)"/\1/p }' crates/*/Cargo.toml)
 
 docs:

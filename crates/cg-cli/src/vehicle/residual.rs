@@ -67,10 +67,10 @@ fn print(found: &ModelResidual, file_sd: f64) -> String {
     };
     format!(
         "identified DC ratio over that of the equations, {} runs of the nonlinear plant (steps, turns on a\n\
-         circle, lane changes and drives; {} more gave no ratio):\n\
+         circle, lane changes and drives at one speed; {} more gave no ratio):\n\
          {table}\n\
          mean: a gain, which a calibration removes; spread: from run to run; explained: what an interval\n\
-         has for it (identification, measured springs, tires in turns, a speed that changes); rest: the\n\
+         has for it (identification, measured springs, tires in turns); rest: the\n\
          residual_sd with which the runs differ as their intervals say\n\
          residual_sd: the plant shows {found_sd:.4}, the file says {file_sd}: {verdict}\n",
         found.runs, found.without_ratio
