@@ -37,7 +37,7 @@ fn tires_in_turns_explain_what_an_oversteering_truck_shows() {
     println!("{found:?}");
     let shown = steer.mean.hypot(steer.spread);
     assert!(steer.spread > 0.01, "{steer:?}");
-    // The standard deviation of what was found is known to a tenth (66 runs); three of them, and as much for the three
-    // turns that stand for all.
-    assert!((0.6..1.5).contains(&(steer.explained / shown)), "{steer:?}");
+    // The standard deviation of what was found is known to 6.2 % (1/√(2·130), of 130 runs); three of them, and as much for the
+    // three turns that stand for all.
+    assert!((0.63..1.37).contains(&(steer.explained / shown)), "{steer:?}");
 }

@@ -98,11 +98,12 @@ fn the_interval_stays_true_whatever_is_wrong() {
 #[test]
 fn the_noise_s_share_is_true_too() {
     let vehicle = common::vehicle("baseline.toml");
+    let design = design(&vehicle, Variant::Complete).unwrap();
     let slow = |noise_lag_s| Sensors { noise_lag_s, ..noise(20.0) };
     let shaken = Sensors { lateral_noise_mps2: 0.1, ..noise(20.0) };
     for sensors in [slow(0.05), slow(0.3), slow(1.0), shaken] {
         let experiment = Experiment { runs: 200, ..Experiment::of(step(&vehicle, sensors)) };
-        let score = experiment.score(&vehicle).unwrap();
+        let score = experiment.score_with(&vehicle, &design).unwrap();
         println!("{sensors:?}: {score:?}");
         // 200 runs scatter by 1.5 % about 95 %.
         assert!(score.coverage >= 0.905, "{sensors:?}: {score:?}");
@@ -114,11 +115,11 @@ fn the_noise_s_share_is_true_too() {
 #[test]
 fn a_sensor_at_the_end_of_its_range_gives_no_height() {
     let vehicle = common::vehicle("baseline.toml");
+    let design = design(&vehicle, Variant::Complete).unwrap();
     for limit_rad in [0.01, 0.0175, 0.026] {
         let sensors = Sensors { roll_limit_rad: Some(limit_rad), ..noise(20.0) };
         let (mut heights, mut reasons) = (0, Vec::new());
         let experiment = Experiment { runs: 20, ..Experiment::of(step(&vehicle, sensors)) };
-        let design = design(&vehicle, experiment.scenario.variant).unwrap();
         experiment
             .run(&vehicle, &design, |estimate| {
                 heights += usize::from(estimate.height_m.is_some());

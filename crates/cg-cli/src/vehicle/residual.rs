@@ -70,8 +70,8 @@ fn print(found: &ModelResidual, file_sd: f64) -> String {
          circle, lane changes and drives at one speed; {} more gave no ratio):\n\
          {table}\n\
          mean: a gain, which a calibration removes; spread: from run to run; explained: what an interval\n\
-         has for it (identification, measured springs, tires in turns); rest: the\n\
-         residual_sd with which the runs differ as their intervals say\n\
+         has for it (identification, measured springs, tires in turns); rest: the residual_sd with which\n\
+         the runs differ as their intervals say\n\
          residual_sd: the plant shows {found_sd:.4}, the file says {file_sd}: {verdict}\n",
         found.runs, found.without_ratio
     )
