@@ -5,7 +5,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, anyhow};
-use cg_logs::calibrate::{CalibrateOptions, KnownLog, calibrate_with_trips};
+use cg_logs::calibrate::{CalibrateOptions, Calibrator, KnownLog};
 use cg_logs::state::runs_of;
 use cg_output::{Draft, Files, Kind};
 use cg_vehicle::VehicleError;
@@ -56,23 +56,22 @@ pub(crate) fn run(arguments: &CalibrateArgs, files: Files) -> anyhow::Result<Out
     let how = CalibrateOptions { variant, method, channel, procedure, part, lift_axle, force };
     let trips = runs_of(&contents(&arguments.from_state)?, &vehicle, variant)?;
     let mut are_of_frames = BTreeMap::new();
-    let mut calibration =
-        calibrate_with_trips(&vehicle, how, (logs, &trips), |known, estimator| {
-            let take = |row: &_, scale| {
-                estimator.weighed_by(scale);
-                estimator.push(row).map(|_| ())
-            };
-            let (remarks, is_of_frames) =
-                feed(Path::new(&known.log), &options, &progress, take).map_err(Failure)?;
-            // Each log is read twice.
-            if are_of_frames.insert(known.log.clone(), is_of_frames).is_none() {
-                for remark in remarks {
-                    print_error(&anyhow!("{}: {remark}", known.log));
-                }
+    let calibrated = Calibrator::new(&vehicle, how, logs)?.calibrate(&trips, |known, estimator| {
+        let take = |row: &_, scale| {
+            estimator.weighed_by(scale);
+            estimator.push(row).map(|_| ())
+        };
+        let (remarks, is_of_frames) =
+            feed(Path::new(&known.log), &options, &progress, take).map_err(Failure)?;
+        // Each log is read twice.
+        if are_of_frames.insert(known.log.clone(), is_of_frames).is_none() {
+            for remark in remarks {
+                print_error(&anyhow!("{}: {remark}", known.log));
             }
-            Ok(())
-        })
-        .map_err(|failure: Failure| failure.0)?;
+        }
+        Ok(())
+    });
+    let mut calibration = calibrated.map_err(|failure: Failure| failure.0)?;
     let kinds: Vec<bool> = are_of_frames.into_values().collect();
     refuse_unused((&arguments.columns, &arguments.frames), &options, &kinds)?;
     calibration.date = Utc::now().to_rfc3339_opts(SecondsFormat::Secs, true);

@@ -7,96 +7,132 @@ use std::path::Path;
 
 use cg_core::{CHANNELS, Channel};
 use cg_vehicle::belief::Belief;
-use cg_vehicle::calibration::shape::shapes;
-use cg_vehicle::calibration::{Calibration, Judgment, Part, Procedure, Run, fit};
-use cg_vehicle::design::RatioDesign;
-use cg_vehicle::lift::{LiftAxle, Positions};
-use cg_vehicle::{Load, Variant, Vehicle, VehicleError};
+use cg_vehicle::calibration::shape::{ShapeRun, shapes};
+use cg_vehicle::calibration::{Calibration, Fitted, Judgment, Part, Procedure, Run, fit};
+use cg_vehicle::lift::Positions;
+use cg_vehicle::{Load, Vehicle, VehicleError};
 
-use crate::estimate::{
-    EMPTY_SHARE, EstimateOptions, Identified, LogEstimator, Method, Truck, mass_contradiction,
-};
+use crate::estimate::{EMPTY_SHARE, Identified, LogEstimator, mass_contradiction};
 use crate::same_drive::{are_of_one_drive, values};
 use cg_output::Place;
 
+mod run_truck;
+
+use run_truck::{RunTruck, run_trucks};
+
 pub use crate::known::{KnownLoad, KnownLog, KnownMass};
+pub use run_truck::CalibrateOptions;
 
 /// Number of passes. A further pass would change the result by less than 0.1 %.
 const PASSES: usize = 2;
 
-/// Options of a calibration.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct CalibrateOptions {
-    /// Equations of the vehicle model.
-    pub variant: Variant,
-    /// Method by which the DC ratios are identified.
-    pub method: Method,
-    /// The channel whose ratios are used; `None` uses all.
-    pub channel: Option<Channel>,
-    /// What the runs determine.
-    pub procedure: Procedure,
-    /// What the calibration is for.
-    pub part: Part,
-    /// Position of the lift axles in all logs; `None` is what each log says, or down.
-    pub lift_axle: Option<LiftAxle>,
-    /// Whether it is made even if its runs contradict the vehicle file with a probability of chance
-    /// below 1e-4.
-    pub force: bool,
-}
-
 /// Calibrates a vehicle with logs. `feed` passes the rows of a log to the given estimator.
 ///
 /// # Errors
-/// The errors of `feed`, and [`VehicleError`] if a log is given twice, if it has no turn or no
-/// trailer mass, if its load is impossible for the vehicle, or if the runs contradict the vehicle file
-/// beyond chance.
+/// As [`Calibrator`].
 pub fn calibrate<E: From<VehicleError>>(
     vehicle: &Vehicle,
     options: CalibrateOptions,
     logs: &[KnownLog],
     feed: impl FnMut(&KnownLog, &mut LogEstimator) -> Result<(), E>,
 ) -> Result<Calibration, E> {
-    calibrate_with_trips(vehicle, options, (logs, &[]), feed)
+    Calibrator::new(vehicle, options, logs)?.calibrate(&[], feed)
 }
 
-/// The same with `trips` of the empty trailer in service too, as [`runs_of`](crate::state::runs_of)
-/// state files.
-///
-/// # Errors
-/// As [`calibrate`].
-pub fn calibrate_with_trips<E: From<VehicleError>>(
-    vehicle: &Vehicle,
+/// The calibration of a vehicle file with logs of known loads. What does not depend on their rows is computed once, so that trucks
+/// of one file with the same loads can share it.
+#[derive(Debug)]
+pub struct Calibrator<'a> {
+    vehicle: &'a Vehicle,
     options: CalibrateOptions,
-    (logs, trips): (&[KnownLog], &[Run]),
-    mut feed: impl FnMut(&KnownLog, &mut LogEstimator) -> Result<(), E>,
-) -> Result<Calibration, E> {
-    check(vehicle, logs)?;
-    let CalibrateOptions { variant, procedure, part, force, .. } = options;
-    let mut belief = Belief::prior(vehicle);
-    let mut outcome = None;
-    let (mut shape_runs, mut doubts, mut assumed_flat) = (Vec::new(), Vec::new(), Vec::new());
-    let positions = Positions::of(vehicle)?;
-    let (of_states, mut trips) = (trips.len(), trips.to_vec());
-    for pass in 1..=PASSES {
-        let designs = RunDesigns::new(vehicle, options, &belief)?;
-        let mut runs = Vec::with_capacity(logs.len());
-        let mut turns_sd = Vec::with_capacity(logs.len());
-        for known in logs {
-            let mut estimator = designs.estimator(known)?;
-            if pass == PASSES {
+    logs: &'a [KnownLog],
+    positions: Positions<'a>,
+    /// Those of the first pass, one for each log.
+    trucks: Vec<RunTruck>,
+}
+
+impl<'a> Calibrator<'a> {
+    /// The calibration of a vehicle with these logs.
+    ///
+    /// # Errors
+    /// [`VehicleError`] if a log is given twice, or if a load is impossible for the vehicle.
+    pub fn new(
+        vehicle: &'a Vehicle,
+        options: CalibrateOptions,
+        logs: &'a [KnownLog],
+    ) -> Result<Self, VehicleError> {
+        check(vehicle, logs)?;
+        let trucks = run_trucks(vehicle, options, &Belief::prior(vehicle), logs)?;
+        Ok(Self { vehicle, options, logs, positions: Positions::of(vehicle)?, trucks })
+    }
+
+    /// The calibration of a truck. `feed` passes the rows of one of its logs to the given estimator; `trips` are those of the empty
+    /// trailer in service, as [`runs_of`](crate::state::runs_of) state files.
+    ///
+    /// # Errors
+    /// The errors of `feed`, and [`VehicleError`] if a log has no turn or no trailer mass, or if the runs contradict the vehicle
+    /// file beyond chance.
+    pub fn calibrate<E: From<VehicleError>>(
+        &self,
+        trips: &[Run],
+        mut feed: impl FnMut(&KnownLog, &mut LogEstimator) -> Result<(), E>,
+    ) -> Result<Calibration, E> {
+        let &Self { vehicle, options, logs, .. } = self;
+        let CalibrateOptions { variant, part, force, .. } = options;
+        let (of_states, mut trips) = (trips.len(), trips.to_vec());
+        let mut pass = self.pass(&self.trucks, &mut trips, false, &mut feed)?;
+        for number in 2..=PASSES {
+            let trucks = run_trucks(vehicle, options, &pass.fitted.belief, logs)?;
+            pass = self.pass(&trucks, &mut trips, number == PASSES, &mut feed)?;
+        }
+        let Pass { runs, fitted, shape_runs, mut doubts, assumed_flat } = pass;
+        let mut calibration = Calibration::new(vehicle, variant, &runs, &fitted)?;
+        calibration.statement.append(&mut doubts);
+        calibration.statement.extend(flat_roads(&assumed_flat, logs.len()));
+        calibration.statement.extend(same_drives(&runs));
+        calibration.statement.extend(counted_once(of_states - trips.len()));
+        if let (Judgment::Contradictory { .. }, false) = (calibration.judgment(), force) {
+            return Err(VehicleError::Model(format!(
+                "no calibration is made: {}; ⟨force⟩ makes it nevertheless, with intervals {:.1} times as \
+                 wide",
+                calibration.contradiction.join("; "),
+                calibration.judgment().birge()
+            ))
+            .into());
+        }
+        if part == Part::Tractor {
+            return Ok(calibration.of_tractor(vehicle)?);
+        }
+        calibration.add_shapes(&shapes(vehicle, variant, &fitted.belief, &shape_runs)?);
+        Ok(calibration)
+    }
+
+    /// Identifies all runs, records them for the shapes if this is the last pass, and fits the parameters to them and to the trips
+    /// that are not among them.
+    fn pass<E: From<VehicleError>>(
+        &self,
+        trucks: &[RunTruck],
+        trips: &mut Vec<Run>,
+        is_last: bool,
+        feed: &mut impl FnMut(&KnownLog, &mut LogEstimator) -> Result<(), E>,
+    ) -> Result<Pass, E> {
+        let &Self { vehicle, options, logs, .. } = self;
+        let (mut runs, mut turns_sd) = (Vec::new(), Vec::new());
+        let (mut shape_runs, mut doubts, mut assumed_flat) = (Vec::new(), Vec::new(), Vec::new());
+        for (known, truck) in logs.iter().zip(trucks) {
+            let mut estimator = truck.estimator();
+            if is_last {
                 estimator.record();
             }
             feed(known, &mut estimator)?;
             let recorder = estimator.recorder();
             let identified = estimator.identified();
-            let vehicle = positions.at(identified.lift_axle)?;
-            if pass == PASSES {
-                doubts.extend(doubted(vehicle, known, &identified));
-                assumed_flat.extend(by_road(&identified).then(|| known.log.clone()));
-            }
+            let vehicle = self.positions.at(identified.lift_axle)?;
+            doubts.extend(doubted(vehicle, known, &identified));
+            assumed_flat.extend(by_road(&identified).then(|| known.log.clone()));
             let mut run = run_of(vehicle, known, &identified)?;
             // The factor makes up for all that the model lacks in this log, its turns included.
-            if procedure == Procedure::Compensation {
+            if options.procedure == Procedure::Compensation {
                 run.turn_g = None;
             }
             // The model of a shape is that at the run's own height.
@@ -106,80 +142,22 @@ pub fn calibrate_with_trips<E: From<VehicleError>>(
             turns_sd.push(identified.turns_sd);
         }
         count_together(&mut runs, &turns_sd, logs);
-        forget_given(&mut trips, &runs);
-        runs.extend_from_slice(&trips);
-        let fitted = fit(vehicle, variant, procedure, &runs)?;
-        belief = fitted.belief.clone();
-        outcome = Some((runs, fitted));
-    }
-    let (runs, fitted) = outcome.ok_or_else(|| VehicleError::Model("no pass".to_owned()))?;
-    let mut calibration = Calibration::new(vehicle, variant, &runs, &fitted)?;
-    calibration.statement.append(&mut doubts);
-    calibration.statement.extend(flat_roads(&assumed_flat, logs.len()));
-    calibration.statement.extend(same_drives(&runs));
-    calibration.statement.extend(counted_once(of_states - trips.len()));
-    if let (Judgment::Contradictory { .. }, false) = (calibration.judgment(), force) {
-        return Err(VehicleError::Model(format!(
-            "no calibration is made: {}; ⟨force⟩ makes it nevertheless, with intervals {:.1} times as \
-             wide",
-            calibration.contradiction.join("; "),
-            calibration.judgment().birge()
-        ))
-        .into());
-    }
-    if part == Part::Tractor {
-        return Ok(calibration.of_tractor(vehicle)?);
-    }
-    calibration.add_shapes(&shapes(vehicle, variant, &fitted.belief, &shape_runs)?);
-    Ok(calibration)
-}
-
-/// The designs with which runs are identified: for the given position of the lift axles, or for down and raised.
-struct RunDesigns {
-    options: CalibrateOptions,
-    present: (Vehicle, RatioDesign),
-    raised: Option<(Vehicle, RatioDesign)>,
-}
-
-impl RunDesigns {
-    fn new(
-        vehicle: &Vehicle,
-        options: CalibrateOptions,
-        belief: &Belief,
-    ) -> Result<Self, VehicleError> {
-        let design = |vehicle: Vehicle| -> Result<_, VehicleError> {
-            let design = RatioDesign::new(&vehicle, options.variant, belief)?;
-            Ok((vehicle, design))
-        };
-        let (present, raised) = vehicle.in_positions(options.lift_axle, options.variant)?;
-        let raised = raised.map(design).transpose()?;
-        Ok(Self { options, present: design(present)?, raised })
-    }
-
-    /// The estimator for a run.
-    fn estimator(&self, known: &KnownLog) -> Result<LogEstimator, VehicleError> {
-        let truck = |(vehicle, design): &(Vehicle, RatioDesign)| -> Result<_, VehicleError> {
-            let design = design.at_height(known.load.height_m(vehicle).value)?;
-            Ok(Truck::new(vehicle, &design, of_run(vehicle, self.options, known)))
-        };
-        let raised = self.raised.as_ref().map(truck).transpose()?;
-        Ok(LogEstimator::of_positions(&truck(&self.present)?, raised))
+        forget_given(trips, &runs);
+        runs.extend_from_slice(trips);
+        let fitted = fit(vehicle, options.variant, options.procedure, &runs)?;
+        Ok(Pass { runs, fitted, shape_runs, doubts, assumed_flat })
     }
 }
 
-/// The options with which a run is identified.
-fn of_run(vehicle: &Vehicle, how: CalibrateOptions, known: &KnownLog) -> EstimateOptions {
-    let CalibrateOptions { variant, method, channel, .. } = how;
-    let trailer_mass = known.load.trailer_mass(vehicle);
-    EstimateOptions {
-        variant,
-        method,
-        channel,
-        trailer_mass_kg: trailer_mass.map(|mass| mass.kg),
-        trailer_mass_sd_kg: trailer_mass.and_then(|mass| mass.sd_kg),
-        lift_axle: how.lift_axle,
-        ..EstimateOptions::default()
-    }
+/// What a pass finds.
+struct Pass {
+    /// Those of the logs, then the trips.
+    runs: Vec<Run>,
+    fitted: Fitted,
+    shape_runs: Vec<ShapeRun>,
+    doubts: Vec<String>,
+    /// Names of the logs whose roads count as flat because nothing is said of them.
+    assumed_flat: Vec<String>,
 }
 
 /// What is doubtful in a run: a log that contradicts the given mass, an unknown lift axle, turns that are strong or tight, and
@@ -417,6 +395,7 @@ fn run_of(
 mod tests {
     use super::*;
     use cg_core::Measured;
+    use cg_vehicle::lift::LiftAxle;
 
     fn run(ratio_sd: Option<f64>) -> Run {
         let ratio = ratio_sd.map(|sd| Measured { value: 2.0, sd: 2.0 * sd });

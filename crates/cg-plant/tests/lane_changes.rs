@@ -3,7 +3,7 @@
 
 use crate::{common, drawn};
 use cg_core::Design;
-use cg_logs::calibrate::{CalibrateOptions, KnownLoad, KnownLog, calibrate};
+use cg_logs::calibrate::{CalibrateOptions, Calibrator, KnownLoad, KnownLog};
 use cg_logs::estimate::{EstimateOptions, LogEstimate, LogEstimator, RoadChoice};
 use cg_logs::log::LogRow;
 use cg_plant::maneuver::Maneuver;
@@ -23,18 +23,30 @@ const TRUCKS: u64 = 100;
 /// A truck that differs from its file, as the file says of its own uncertainty.
 struct Drawn<'a> {
     file: &'a Vehicle,
+    calibrator: &'a Calibrator<'a>,
     truck: Vehicle,
     deviations: Deviations,
     seed: u64,
 }
 
-impl<'a> Drawn<'a> {
-    fn new(file: &'a Vehicle, deviations: &Deviations, seed: u64) -> Self {
-        Self { file, truck: adjusted(file, deviations), deviations: *deviations, seed }
-    }
+/// Payload, kg, and height, m, of the turns of a calibration.
+fn known_loads(file: &Vehicle) -> [(f64, f64); 2] {
+    [(0.0, file.trailer.tare.cg_height_m), (20e3, 1.9)]
+}
 
-    fn load(&self, (payload_kg, cg_height_m): (f64, f64)) -> Load {
-        Load { trailer_mass_kg: self.file.empty_trailer_mass_kg() + payload_kg, cg_height_m }
+fn load_of(file: &Vehicle, (payload_kg, cg_height_m): (f64, f64)) -> Load {
+    Load { trailer_mass_kg: file.empty_trailer_mass_kg() + payload_kg, cg_height_m }
+}
+
+impl<'a> Drawn<'a> {
+    fn new(
+        file: &'a Vehicle,
+        calibrator: &'a Calibrator<'a>,
+        deviations: &Deviations,
+        seed: u64,
+    ) -> Self {
+        let truck = adjusted(file, deviations);
+        Self { file, calibrator, truck, deviations: *deviations, seed }
     }
 
     /// Drives a maneuver of 0.03 rad at 50 km/h in noise of 20 dB at 20 Hz.
@@ -57,16 +69,10 @@ impl<'a> Drawn<'a> {
 
     /// The design after a calibration with a turn of the empty and of a laden trailer.
     fn calibrated(&self) -> Result<Design<f64>, VehicleError> {
-        let loads = [(0.0, self.file.trailer.tare.cg_height_m), (20e3, 1.9)];
-        let logs = loads.map(|(payload_kg, height_m)| {
-            let trailer_mass_kg = Some(self.load((payload_kg, height_m)).trailer_mass_kg);
-            let load = KnownLoad::exact(height_m, trailer_mass_kg);
-            KnownLog { log: format!("{payload_kg} kg"), load }
-        });
-        let runs = [0, 1].map(|k| self.drive(Maneuver::SteadyTurn, self.load(loads[k]), k as u64));
-        let how = CalibrateOptions { force: true, ..CalibrateOptions::default() };
-        let calibration = calibrate::<VehicleError>(self.file, how, &logs, |known, estimator| {
-            for row in &runs[usize::from(*known == logs[1])] {
+        let loads = known_loads(self.file).map(|one| load_of(self.file, one));
+        let runs = [0, 1].map(|k| self.drive(Maneuver::SteadyTurn, loads[k], k as u64));
+        let calibration = self.calibrator.calibrate::<VehicleError>(&[], |known, estimator| {
+            for row in &runs[known.log.parse::<usize>().unwrap()] {
                 estimator.push(row).unwrap();
             }
             Ok(())
@@ -96,7 +102,7 @@ fn outcome(drawn: &Drawn<'_>) -> Option<[(bool, f64); 3]> {
     let mut noise = 2;
     Some(LOADS.map(|one| {
         noise += 1;
-        let load = drawn.load(one);
+        let load = load_of(drawn.file, one);
         let estimate = drawn.lane_change(&design, load, noise);
         let (height_m, sd_m) = (estimate.height_m.unwrap(), estimate.height_sd_m.unwrap());
         let [low_m, high_m] = estimate.height_ci95_m.unwrap();
@@ -112,9 +118,19 @@ fn outcome(drawn: &Drawn<'_>) -> Option<[(bool, f64); 3]> {
 fn the_intervals_of_lane_changes_hold_after_a_calibration() {
     let file = common::vehicle("kraz.toml");
     let prior = Belief::prior(&file);
+    let logs = [0, 1].map(|k| {
+        let Load { trailer_mass_kg, cg_height_m } = load_of(&file, known_loads(&file)[k]);
+        let load = KnownLoad::exact(cg_height_m, Some(trailer_mass_kg));
+        KnownLog { log: k.to_string(), load }
+    });
+    let how = CalibrateOptions { force: true, ..CalibrateOptions::default() };
+    let calibrator = Calibrator::new(&file, how, &logs).unwrap();
     let mut source = StdRng::seed_from_u64(11);
     let trucks: Vec<Drawn<'_>> = (0..TRUCKS)
-        .map(|seed| Drawn::new(&file, &prior.drawn(|| StandardNormal.sample(&mut source)), seed))
+        .map(|seed| {
+            let deviations = prior.drawn(|| StandardNormal.sample(&mut source));
+            Drawn::new(&file, &calibrator, &deviations, seed)
+        })
         .collect();
     let made: Vec<_> = drawn::each(&trucks, outcome).into_iter().flatten().collect();
     // The models of some have no steady turn at some mass.

@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used, clippy::cast_precision_loss, reason = "helpers of tests")]
 
 use crate::{common, drawn};
-use cg_logs::calibrate::{CalibrateOptions, KnownLoad, KnownLog, calibrate};
+use cg_logs::calibrate::{CalibrateOptions, Calibrator, KnownLoad, KnownLog};
 use cg_logs::estimate::{EstimateOptions, LogEstimate, LogEstimator, RoadChoice, Truck};
 use cg_logs::log::LogRow;
 use cg_plant::maneuver::Maneuver;
@@ -17,6 +17,8 @@ use rand_distr::{Distribution, StandardNormal};
 
 /// Payload, kg, and height, m, with the axle raised.
 const LOADS: [(f64, f64); 2] = [(5e3, 1.6), (11e3, 1.95)];
+/// The same of the turns of a calibration, with the axle down; the first is empty.
+const KNOWN: [(f64, Option<f64>); 2] = [(0.0, None), (18e3, Some(1.9))];
 /// Number of trucks of each vehicle.
 const TRUCKS: u64 = 16;
 
@@ -30,8 +32,14 @@ fn lifting(name: &str) -> Vehicle {
 /// A truck that differs from its file, as the file says of its own uncertainty.
 struct Drawn<'a> {
     file: &'a Vehicle,
+    calibrator: &'a Calibrator<'a>,
     deviations: Deviations,
     seed: u64,
+}
+
+/// A payload, kg, at a height, m, or the height of the empty trailer.
+fn load_of(file: &Vehicle, (payload_kg, height_m): (f64, Option<f64>)) -> Load {
+    file.load_of(Some(file.empty_trailer_mass_kg() + payload_kg), height_m)
 }
 
 impl Drawn<'_> {
@@ -45,9 +53,7 @@ impl Drawn<'_> {
     ) -> (Load, Vec<LogRow>) {
         let file = self.file.clone().with_lift_axle(position).unwrap();
         let truck = adjusted(&file, &self.deviations);
-        let (payload_kg, height_m) = load;
-        let mass_kg = file.empty_trailer_mass_kg() + payload_kg;
-        let load = file.load_of(Some(mass_kg), height_m);
+        let load = load_of(&file, load);
         let scenario = Scenario {
             plant: Plant::Nonlinear,
             load,
@@ -68,15 +74,9 @@ impl Drawn<'_> {
 
     /// What is known after a calibration with a turn of the empty and of a laden trailer, all axles on the road.
     fn calibrated(&self) -> Belief {
-        let turns = [(0.0, None), (18e3, Some(1.9))];
-        let turns = [0, 1].map(|k| self.turn(LiftAxle::Down, turns[k], k as u64));
-        let logs = turns.each_ref().map(|(load, _)| KnownLog {
-            log: format!("{:.0} kg", load.trailer_mass_kg),
-            load: KnownLoad::exact(load.cg_height_m, Some(load.trailer_mass_kg)),
-        });
-        let how = CalibrateOptions { force: true, ..CalibrateOptions::default() };
-        let calibration = calibrate::<VehicleError>(self.file, how, &logs, |known, estimator| {
-            for row in &turns[usize::from(*known == logs[1])].1 {
+        let turns = [0, 1].map(|k| self.turn(LiftAxle::Down, KNOWN[k], k as u64).1);
+        let calibration = self.calibrator.calibrate::<VehicleError>(&[], |known, estimator| {
+            for row in &turns[known.log.parse::<usize>().unwrap()] {
                 estimator.push(row).unwrap();
             }
             Ok(())
@@ -127,11 +127,18 @@ fn the_intervals_hold_with_an_axle_raised_after_a_calibration_with_it_down() {
     for name in ["euro.toml", "air.toml"] {
         let file = lifting(name);
         let prior = Belief::prior(&file);
+        let logs = [0, 1].map(|k| {
+            let Load { trailer_mass_kg, cg_height_m } = load_of(&file, KNOWN[k]);
+            let load = KnownLoad::exact(cg_height_m, Some(trailer_mass_kg));
+            KnownLog { log: k.to_string(), load }
+        });
+        let how = CalibrateOptions { force: true, ..CalibrateOptions::default() };
+        let calibrator = Calibrator::new(&file, how, &logs).unwrap();
         let mut source = StdRng::seed_from_u64(3);
         let trucks: Vec<Drawn<'_>> = (0..TRUCKS)
             .map(|seed| {
                 let deviations = prior.drawn(|| StandardNormal.sample(&mut source));
-                Drawn { file: &file, deviations, seed }
+                Drawn { file: &file, calibrator: &calibrator, deviations, seed }
             })
             .collect();
         let made = drawn::each(&trucks, outcome).concat();

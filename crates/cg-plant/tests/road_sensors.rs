@@ -4,12 +4,11 @@
 
 use crate::common;
 use cg_core::{Channel, Design};
-use cg_logs::calibrate::{CalibrateOptions, KnownLog, calibrate};
+use cg_logs::calibrate::{CalibrateOptions, Calibrator, KnownLog};
 use cg_logs::estimate::{EstimateOptions, LogEstimator};
 use cg_logs::log::{LogOptions, LogReader, LogRow};
 use cg_plant::sensors::{ChassisSensors, Instruments, Sensors};
-use cg_vehicle::belief::Belief;
-use cg_vehicle::design::design_with;
+use cg_vehicle::design::{design, design_with};
 use cg_vehicle::{Variant, Vehicle, VehicleError};
 
 const PAIRS: [Channel; 2] = [Channel::Suspension, Channel::Tractor];
@@ -66,26 +65,15 @@ fn rows(log: &str, seed: Option<u64>) -> Vec<LogRow> {
     truth.map(shown).collect()
 }
 
-/// The design after a calibration on these steps.
-fn calibrated(truck: &Vehicle, runs: &[(&str, (f64, f64))], seed: Option<u64>) -> Design<f64> {
-    let known = |&(log, (height_m, mass_kg)): &(&str, (f64, f64))| -> KnownLog {
-        format!("{log}={height_m},{mass_kg}").parse().unwrap()
-    };
-    let logs: Vec<KnownLog> = runs.iter().map(known).collect();
-    let mut flat = truck.clone();
-    flat.road = Some(cg_vehicle::sensor_places::Road { bank_sd_rad: 0.0 });
-    let belief = if logs.is_empty() {
-        Belief::prior(truck)
-    } else {
-        let found = calibrate(&flat, CalibrateOptions::default(), &logs, |known, estimator| {
-            for row in rows(&known.log, seed) {
-                estimator.push(&row).unwrap();
-            }
-            Ok::<(), VehicleError>(())
-        });
-        found.unwrap().belief()
-    };
-    design_with(truck, Variant::Complete, &belief).unwrap()
+/// The design after a calibration on steps.
+fn calibrated(truck: &Vehicle, calibrator: &Calibrator<'_>, seed: Option<u64>) -> Design<f64> {
+    let found = calibrator.calibrate(&[], |known, estimator| {
+        for row in rows(&known.log, seed) {
+            estimator.push(&row).unwrap();
+        }
+        Ok::<(), VehicleError>(())
+    });
+    design_with(truck, Variant::Complete, &found.unwrap().belief()).unwrap()
 }
 
 /// Relative error of the height of a pair. The 95 % interval must contain the truth.
@@ -114,12 +102,23 @@ fn error(
     error
 }
 
-/// Root mean squares of the errors of each pair, in roundabouts and on other roads.
+/// Root mean squares of the errors of each pair, in roundabouts and on other roads, after a calibration on these steps.
 fn errors(runs: &[(&str, (f64, f64))], seeds: &[Option<u64>], case: &str) -> [[f64; 2]; 2] {
     let truck = common::vehicle("euro.toml");
+    let mut flat = truck.clone();
+    flat.road = Some(cg_vehicle::sensor_places::Road { bank_sd_rad: 0.0 });
+    let known = |&(log, (height_m, mass_kg)): &(&str, (f64, f64))| -> KnownLog {
+        format!("{log}={height_m},{mass_kg}").parse().unwrap()
+    };
+    let logs: Vec<KnownLog> = runs.iter().map(known).collect();
+    let calibrator = Calibrator::new(&flat, CalibrateOptions::default(), &logs).unwrap();
     let mut errors: [[Vec<f64>; 2]; 2] = Default::default();
     for &seed in seeds {
-        let design = calibrated(&truck, runs, seed);
+        let design = if logs.is_empty() {
+            design(&truck, Variant::Complete).unwrap()
+        } else {
+            calibrated(&truck, &calibrator, seed)
+        };
         for (log, load) in DRIVES {
             let rows = rows(log, seed.map(|seed| seed + 10));
             for (k, pair) in PAIRS.into_iter().enumerate() {

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use cg_core::{AlignSettings, Measured};
-use cg_logs::calibrate::{CalibrateOptions, KnownLoad, KnownLog, KnownMass, calibrate_with_trips};
+use cg_logs::calibrate::{CalibrateOptions, Calibrator, KnownLoad, KnownLog, KnownMass};
 use cg_logs::estimate::{ChannelChoice, LogEstimator};
 use cg_logs::log::{LogOptions, LogReader};
 use cg_logs::state::runs_of;
@@ -129,16 +129,16 @@ pub(crate) fn calibrate_files(
     };
     let settings = vehicle.align_settings();
     let trips = runs_of(&contents(states)?, vehicle, how.variant).map_err(vehicle_error)?;
-    let mut calibration =
-        calibrate_with_trips(vehicle, how, (&logs, &trips), |known, estimator| {
-            let fed = match source_of(known) {
-                Some(Source::File(path)) => feed_file(py, path, &options, estimator),
-                Some(Source::Table(table)) => feed_table(py, table, estimator, settings),
-                None => Ok(()),
-            };
-            fed.map_err(Failure)
-        })
-        .map_err(|Failure(error)| error)?;
+    let calibrator = Calibrator::new(vehicle, how, &logs).map_err(vehicle_error)?;
+    let calibrated = calibrator.calibrate(&trips, |known, estimator| {
+        let fed = match source_of(known) {
+            Some(Source::File(path)) => feed_file(py, path, &options, estimator),
+            Some(Source::Table(table)) => feed_table(py, table, estimator, settings),
+            None => Ok(()),
+        };
+        fed.map_err(Failure)
+    });
+    let mut calibration = calibrated.map_err(|Failure(error)| error)?;
     calibration.date = request.date;
     let text = calibration.to_toml().map_err(vehicle_error)?;
     let draft = target.write(&text).map_err(output_error)?;

@@ -4,7 +4,7 @@
 
 use crate::common;
 use cg_core::{AlignSettings, Design};
-use cg_logs::calibrate::{CalibrateOptions, KnownLoad, KnownLog, calibrate};
+use cg_logs::calibrate::{CalibrateOptions, Calibrator, KnownLoad, KnownLog};
 use cg_logs::estimate::{EstimateOptions, LogEstimator, QUANTILE_95};
 use cg_logs::log::LogRow;
 use cg_plant::maneuver::Maneuver;
@@ -54,6 +54,18 @@ pub(crate) fn laden(vehicle: &Vehicle, payload_kg: f64, payload_height_m: f64) -
     }
 }
 
+/// The loads of a calibration: none, and 20 t.
+fn known_loads(file: &Vehicle) -> [Load; 2] {
+    [laden(file, 0.0, 0.0), laden(file, 20e3, 2.1)]
+}
+
+/// The steps of a calibration.
+pub(crate) fn steps(file: &Vehicle) -> [KnownLog; 2] {
+    let height_m = known_loads(file)[1].cg_height_m;
+    [("empty", KnownLoad::Empty), ("laden", KnownLoad::exact(height_m, None))]
+        .map(|(log, load)| KnownLog { log: log.to_owned(), load })
+}
+
 impl Truck {
     pub(crate) fn drawn(file: &Vehicle, seed: u64) -> Self {
         let belief = Belief::prior(file);
@@ -99,15 +111,11 @@ impl Truck {
         LogSimulation::new(vehicle, scenario).unwrap().rows().iter().map(measured).collect()
     }
 
-    /// The design that a calibration on its own empty step and one with 20 t makes; `None` if these
-    /// contradict the file, or if one of them has no ratio.
-    fn calibrated(&mut self, file: &Vehicle) -> Option<Design<f64>> {
-        let known = [laden(file, 0.0, 0.0), laden(file, 20e3, 2.1)];
-        let runs = known.map(|load| self.rows(load, Maneuver::RoundedStep, STEP_G));
-        let height_m = known[1].cg_height_m;
-        let logs = [("empty", KnownLoad::Empty), ("laden", KnownLoad::exact(height_m, None))]
-            .map(|(log, load)| KnownLog { log: log.to_owned(), load });
-        let found = calibrate(file, CalibrateOptions::default(), &logs, |log, estimator| {
+    /// The design that a calibration on its own [steps](steps) makes; `None` if these contradict the file, or if one of them has no
+    /// ratio.
+    fn calibrated(&mut self, file: &Vehicle, calibrator: &Calibrator<'_>) -> Option<Design<f64>> {
+        let runs = known_loads(file).map(|load| self.rows(load, Maneuver::RoundedStep, STEP_G));
+        let found = calibrator.calibrate(&[], |log, estimator| {
             for row in &runs[usize::from(log.log == "laden")] {
                 estimator.push(row).unwrap();
             }
@@ -150,9 +158,13 @@ fn estimate(design: &Design<f64>, rows: &[LogRow], truth_m: f64) -> Option<Found
 }
 
 /// What the file and the calibration find in a log of a truck with a drawn load: every fifth one is empty.
-fn found(file: &Vehicle, of_file: &Design<f64>, seed: u64, number: u64) -> [Option<Found>; 2] {
+fn found(
+    (file, of_file): (&Vehicle, &Design<f64>),
+    calibrator: &Calibrator<'_>,
+    (seed, number): (u64, u64),
+) -> [Option<Found>; 2] {
     let mut truck = Truck::drawn(file, seed + number);
-    let own = truck.calibrated(file);
+    let own = truck.calibrated(file, calibrator);
     let empty = number.is_multiple_of(5);
     let payload_kg = if empty { 0.0 } else { truck.source.random_range(2e3..25e3) };
     let height_m = HEIGHTS_M[usize::try_from(number / 2 % 4).unwrap()];
@@ -243,7 +255,11 @@ fn intervals_of_drawn_trucks_hold() {
         let of_file = design(&file, Variant::Complete).unwrap();
         let count = std::env::var("CG_TRUCKS").map_or(TRUCKS, |count| count.parse().unwrap());
         let numbers: Vec<u64> = (0..count).collect();
-        let both = numbers.par_iter().map(|number| found(&file, &of_file, 1000 * seed, *number));
+        let steps = steps(&file);
+        let calibrator = Calibrator::new(&file, CalibrateOptions::default(), &steps).unwrap();
+        let both = numbers
+            .par_iter()
+            .map(|number| found((&file, &of_file), &calibrator, (1000 * seed, *number)));
         let (mut uncalibrated, mut calibrated) = (Answers::default(), Answers::default());
         for [of_file, own] in both.collect::<Vec<_>>() {
             uncalibrated.add(of_file);

@@ -3,9 +3,9 @@
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 use crate::common;
-use crate::drawn_trucks::{Answers, Found, Truck, laden};
+use crate::drawn_trucks::{Answers, Found, Truck, laden, steps};
 use cg_core::AlignSettings;
-use cg_logs::calibrate::{CalibrateOptions, KnownLoad, KnownLog, calibrate};
+use cg_logs::calibrate::{CalibrateOptions, Calibrator};
 use cg_logs::estimate::{EstimateOptions, LogEstimator};
 use cg_logs::log::LogRow;
 use cg_plant::maneuver::Maneuver;
@@ -51,12 +51,12 @@ impl Logs {
     }
 
     /// The heights in each maneuver, of whoever knows this file of the truck, with the calibration on its own steps.
-    fn found(&self, known: &Vehicle) -> Option<[Option<Found>; MANEUVERS.len()]> {
-        let [_, laden, other] = loads(known);
-        let height = KnownLoad::exact(laden.cg_height_m, None);
-        let logs = [("empty", KnownLoad::Empty), ("laden", height)]
-            .map(|(log, load)| KnownLog { log: log.to_owned(), load });
-        let calibration = calibrate(known, CalibrateOptions::default(), &logs, |log, estimator| {
+    fn found(
+        &self,
+        (known, calibrator): &(&Vehicle, Calibrator<'_>),
+    ) -> Option<[Option<Found>; MANEUVERS.len()]> {
+        let [.., other] = loads(known);
+        let calibration = calibrator.calibrate(&[], |log, estimator| {
             for row in &self.steps[usize::from(log.log == "laden")] {
                 estimator.push(row).unwrap();
             }
@@ -91,13 +91,21 @@ fn the_tractors_yaw_rate_is_as_good_as_the_trailers() {
     let count = std::env::var("CG_TRUCKS").map_or(TRUCKS, |count| count.parse().unwrap());
     let files =
         ["kraz", "euro", "baseline", "air"].map(|name| common::vehicle(&format!("{name}.toml")));
-    let trucks = files.iter().flat_map(|file| (0..count).map(move |number| (file, number)));
+    let known = files.each_ref().map(|file| (file.clone(), with_tractors_yaw(file), steps(file)));
+    let known = known.each_ref().map(|(file, on_tractor, steps)| {
+        [file, on_tractor]
+            .map(|file| (file, Calibrator::new(file, CalibrateOptions::default(), steps).unwrap()))
+    });
+    let trucks = known.iter().flat_map(|known| (0..count).map(move |_| known));
     let trucks: Vec<_> = trucks.zip(7000..).collect();
-    let all = trucks.par_iter().map(|((file, _), seed)| {
-        let on_tractor = with_tractors_yaw(file);
-        let of_trailer = Logs::of(file, *seed).found(file);
-        let logs = Logs::of(&on_tractor, *seed);
-        [of_trailer, logs.found(&on_tractor), logs.found(file)]
+    let all = trucks.par_iter().map(|(known, seed)| {
+        let [of_trailer, of_tractor] = known;
+        let logs = Logs::of(of_tractor.0, *seed);
+        [
+            Logs::of(of_trailer.0, *seed).found(of_trailer),
+            logs.found(of_tractor),
+            logs.found(of_trailer),
+        ]
     });
     let all: Vec<_> = all.collect();
     let names = ["the trailer's", "the tractor's", "the tractor's as if it were the trailer's"];

@@ -437,7 +437,23 @@ fn values(response: &Response) -> String {
 
 #[cfg(test)]
 mod tests {
+    use super::super::table::tests::measured;
     use super::*;
+
+    /// A measurement adds the three strokes of its interval, a missing one the two of its cross.
+    #[test]
+    fn a_figure_has_bars_for_intervals_and_crosses_without_a_height() {
+        let strokes = |study: &Study| {
+            let color = KINDS[study.panels[0].series[0].kind].0;
+            let stroke = format!("stroke=\"#{:02X}{:02X}{:02X}\"", color.0, color.1, color.2);
+            let svg = svg(study).unwrap();
+            svg.lines().filter(|line| line.starts_with("<line ") && line.contains(&stroke)).count()
+        };
+        let mut study = measured();
+        assert_eq!(strokes(&study), 2 * 3 + 2);
+        study.panels[0].series[0].unanswered.clear();
+        assert_eq!(strokes(&study), 2 * 3);
+    }
 
     #[test]
     fn kinds_of_series_differ_without_color() {

@@ -106,3 +106,40 @@ fn cells(panel: &Panel, (x, y, interval): Row) -> Vec<(String, String)> {
     );
     cells
 }
+
+#[cfg(test)]
+pub(super) mod tests {
+    use super::*;
+    use cg_thesis::study::study;
+
+    /// A study with two series: two measurements and a place without one, and a curve.
+    pub(crate) fn measured() -> Study {
+        let mut study = study("height", None).unwrap();
+        study.panels.truncate(1);
+        let [measured, curve] = study.panels[0].series.first_chunk_mut().unwrap();
+        measured.name = "1, measured".to_owned();
+        measured.points = vec![[1.8, 0.04], [1.9, 0.05]];
+        measured.intervals = vec![[0.03, 0.06], [-0.04, 0.07]];
+        measured.unanswered = vec![2.0];
+        curve.name = "curve".to_owned();
+        curve.points = vec![[1.8, 0.045]];
+        study.panels[0].series.truncate(2);
+        study
+    }
+
+    /// Each point has its interval, in the unit of the point; where there is no height, its place stands alone.
+    #[test]
+    fn a_table_has_intervals_and_places_without_a_height() {
+        let table = csv(&measured()).unwrap();
+        let rows: Vec<&str> = table.lines().filter(|line| !line.starts_with("# ")).collect();
+        // Degrees of 0.04, 0.03, 0.06, 0.05, −0.04, 0.07 and 0.045 rad.
+        let wanted = [
+            "figure,series,cg_height_m,peak_roll_deg,peak_roll_low_deg,peak_roll_high_deg",
+            "2.26,\"1, measured\",1.800000,2.291831,1.718873,3.437747",
+            "2.26,\"1, measured\",1.900000,2.864789,-2.291831,4.010705",
+            "2.26,\"1, measured\",2.000000,,,",
+            "2.26,curve,1.800000,2.578310,,",
+        ];
+        assert_eq!(rows, wanted);
+    }
+}

@@ -96,39 +96,6 @@ fn a_study_writes_a_table_and_a_figure_and_says_what_it_found() {
     assert_eq!(read(&scratch, "new/height-lane-change.svg"), figure);
 }
 
-/// Each height has its interval in the table; where there is no height, the bank stands alone. The
-/// figure has a bar for each interval and a cross for each missing height.
-#[test]
-fn the_study_of_banked_roads_writes_intervals() {
-    let scratch = Scratch::new();
-    let run = study(&["roads", "-o", &scratch.path("")]).done();
-    assert!(run.out.contains("Suspension roll over specific force"), "{}", run.out);
-    let table = read(&scratch, "roads.csv");
-    let rows: Vec<&str> = table.lines().skip_while(|line| line.starts_with("# ")).collect();
-    let header = "figure,series,greatest_bank_percent,error_percent,error_low_percent,\
-                  error_high_percent";
-    assert_eq!((rows[0], rows.len()), (header, 1 + 6 * 8));
-    let mut unanswered = 0;
-    for row in &rows[1..] {
-        // Some names of series contain a comma.
-        let cells: Vec<&str> = row.rsplitn(5, ',').collect();
-        let numbers: Vec<f64> = cells[..3].iter().filter_map(|cell| cell.parse().ok()).collect();
-        match numbers[..] {
-            [high, low, error] => assert!(low < error && error < high, "{row}"),
-            [] if cells[..3] == ["", "", ""] => unanswered += 1,
-            _ => panic!("{row}"),
-        }
-        assert!((0.0..=7.0).contains(&cells[3].parse().unwrap()), "{row}");
-    }
-    assert!(unanswered > 0, "{table}");
-    let figure = read(&scratch, "roads.svg");
-    for part in
-        ["Greatest bank of the road (%)", "Error of the height (%)", "suspension", "tractor"]
-    {
-        assert!(figure.contains(part), "no {part}");
-    }
-}
-
 #[test]
 fn a_study_of_another_vehicle_says_so() {
     let scratch = Scratch::new();
