@@ -15,12 +15,13 @@ use super::axle::{Axle, Eliminated, Pose, Road, group_forces};
 use super::body::{Attitude, Equations, Motion, Sprung};
 use super::front::Front;
 use super::ground::Ground;
-use super::hitch::{Side, couple};
+use super::hitch::{Coupling, Side, couple};
+use super::joint::{Joint, Solution};
 use super::state::{AxleCoordinate as A, Coordinate as C, MAX_AXLES, ROOM, State, at};
 use super::state::{FRONT_ROLL, FRONT_ROLL_RATE};
 use super::suspension::Group;
 use super::tyre::Contact;
-use super::vector::{Vector, add, inverse_symmetric, scaled, sin_cos, solve_spd, turned};
+use super::vector::{Vector, add, scaled, sin_cos, turned};
 use cg_vehicle::characteristics::FifthWheel;
 use cg_vehicle::characteristics::Grip;
 use cg_vehicle::wind::Wind;
@@ -54,6 +55,9 @@ pub(super) struct Parameters {
     /// From the tractor's c.g., body axes.
     pub(super) hitch_arm: Vector,
     pub(super) hitch: FifthWheel,
+    /// Apparent inertia of its angle, which makes a hard joint slower ([`YawRollPlant::slowed`](super::YawRollPlant)); zero for
+    /// others.
+    pub(super) hitch_inertia_kgm2: f64,
     /// The tractor's axles first.
     pub(super) axles: Vec<Axle>,
     pub(super) groups: Vec<Group>,
@@ -232,8 +236,8 @@ impl Parameters {
         self.blow(instant, second, &mut trailer, &mut front);
         let coupled = front.as_mut().map_or(&mut trailer, |(_, own)| own);
         for i in 0..3 {
-            tractor.force[3 + i] += coupling.tractor[i];
-            coupled.force[3 + i] += coupling.trailer[i];
+            tractor.force[3 + i] -= coupling.moment_nm * coupling.by_tractor[i];
+            coupled.force[3 + i] -= coupling.moment_nm * coupling.by_trailer[i];
         }
         if let (Some(frame), Some((motion, own))) = (&self.front, &mut front) {
             let twist_rad = instant.x[FRONT_ROLL] - instant.x[C::TrailerRoll as usize];
@@ -243,14 +247,63 @@ impl Parameters {
             Front::eliminate(own, &mut trailer);
         }
         let arms = first.attitude.arms(hitch_rho);
-        let solution = join(&tractor, &trailer, &arms, instant.turn);
+        let joint = Joint::new(&tractor, &trailer, &arms, instant.turn);
+        let mut solution = joint.accelerations(&tractor.force, &trailer.force);
+        let own = front.as_ref().map(|(_, own)| own);
+        let mut of_front =
+            own.map(|own| Front::accelerations(own, own.force[5], &solution.trailer));
+        let mut moment_nm = coupling.moment_nm;
+        if self.hitch_inertia_kgm2 > 0.0 {
+            let [more_nm, front_roll] =
+                self.inert(&joint, &coupling, own, (&mut solution, of_front.as_ref()));
+            moment_nm += more_nm;
+            of_front = of_front.map(|found| {
+                let mut all = solution.trailer;
+                all[5] = found[5] + front_roll;
+                all
+            });
+        }
         let moving = |motion: &Motion, rates| Moving { motion: *motion, rates };
         probe.units = Some([moving(first, solution.tractor), moving(second, solution.trailer)]);
-        probe.front = front
-            .map(|(motion, own)| moving(&motion, Front::accelerations(&own, &solution.trailer)));
+        probe.front =
+            front.as_ref().zip(of_front).map(|((motion, _), rates)| moving(motion, rates));
         probe.hitch_force_n = solution.hitch_force_n;
-        probe.hitch_moment_nm = coupling.moment_nm;
+        probe.hitch_moment_nm = moment_nm;
         self.spread(instant, &solution, probe, rate);
+    }
+
+    /// Adds what the apparent inertia of the fifth wheel's angle changes. Returns its moment, and what it adds to the roll of the
+    /// front half.
+    #[inline]
+    fn inert(
+        &self,
+        joint: &Joint<'_>,
+        coupling: &Coupling,
+        front: Option<&Equations>,
+        (solution, of_front): (&mut Solution, Option<&[f64; 6]>),
+    ) -> [f64; 2] {
+        let Coupling { by_tractor, by_trailer, drift_radps2, .. } = coupling;
+        // The accelerations that one newton meter causes.
+        let (mut tractor, mut trailer) = ([0.0; 6], [0.0; 6]);
+        for i in 0..3 {
+            (tractor[3 + i], trailer[3 + i]) = (-by_tractor[i], -by_trailer[i]);
+        }
+        let own_nm = trailer[5];
+        if let Some(own) = front {
+            Front::pass_on(own, &mut trailer);
+        }
+        let response = joint.accelerations(&tractor, &trailer);
+        let by_front = front.map(|own| Front::accelerations(own, own_nm, &response.trailer));
+        let along = |of: &Solution, of_front: Option<&[f64; 6]>| -> f64 {
+            let coupled = of_front.unwrap_or(&of.trailer);
+            (0..3).map(|i| by_tractor[i] * of.tractor[3 + i] + by_trailer[i] * coupled[3 + i]).sum()
+        };
+        let inertia = self.hitch_inertia_kgm2;
+        let angle_radps2 = (along(solution, of_front) + drift_radps2)
+            / (1.0 - inertia * along(&response, by_front.as_ref()));
+        let moment_nm = inertia * angle_radps2;
+        solution.add(moment_nm, &response);
+        [moment_nm, by_front.map_or(0.0, |by_front| moment_nm * by_front[5])]
     }
 
     /// Adds the force of the wind on the side of the trailer's body, half of it on each half. Still air has none.
@@ -397,79 +450,4 @@ fn attitudes(x: &[f64; ROOM]) -> (Attitude, Attitude) {
         Attitude::new(value(C::TractorPitch), value(C::TractorRoll)),
         Attitude::new(value(C::TrailerPitch), value(C::TrailerRoll)),
     )
-}
-
-/// Accelerations of both units: reference point, then yaw, pitch, roll.
-struct Solution {
-    tractor: [f64; 6],
-    trailer: [f64; 6],
-    hitch_force_n: Vector,
-}
-
-/// Couples the units at the fifth wheel, given its lever arms for the tractor's rates.
-#[inline]
-fn join(
-    tractor: &Equations,
-    trailer: &Equations,
-    arms: &[Vector; 3],
-    turn: (f64, f64),
-) -> Solution {
-    let m = &trailer.mass;
-    let inverse = inverse_symmetric([
-        [m[3][3], 0.0, 0.0],
-        [m[4][3], m[4][4], 0.0],
-        [m[5][3], m[5][4], m[5][5]],
-    ]);
-    // C R⁻¹, the apparent mass A = T − C R⁻¹ Cᵀ and its force p = f_t − C R⁻¹ f_r.
-    let mut gain = [[0.0; 3]; 3];
-    let mut apparent = [[0.0; 3]; 3];
-    let mut push = [0.0; 3];
-    for i in 0..3 {
-        for j in 0..3 {
-            gain[i][j] = (0..3).map(|k| m[3 + k][i] * inverse[k][j]).sum();
-        }
-        push[i] = trailer.force[i];
-        for j in 0..3 {
-            push[i] -= gain[i][j] * trailer.force[3 + j];
-            apparent[i][j] = m[i.max(j)][i.min(j)];
-            for k in 0..3 {
-                apparent[i][j] -= gain[i][k] * m[3 + k][j];
-            }
-        }
-    }
-    // Columns of the fifth wheel's velocity in the trailer's frame: v1, ż1, then the rates.
-    let columns = [
-        turned([0.0, 1.0, 0.0], turn),
-        [0.0, 0.0, 1.0],
-        turned(arms[0], turn),
-        turned(arms[1], turn),
-        turned(arms[2], turn),
-    ];
-    let times = |v: Vector| apparent.map(|row| row[0] * v[0] + row[1] * v[1] + row[2] * v[2]);
-    let dot = |a: Vector, b: Vector| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-    let mut mass = [[0.0; 5]; 5];
-    let mut force = [0.0; 5];
-    for j in 0..5 {
-        let carried = times(columns[j]);
-        for i in j..5 {
-            mass[i][j] = tractor.mass[1 + i][1 + j] + dot(columns[i], carried);
-        }
-        force[j] = tractor.force[1 + j] + dot(columns[j], push);
-    }
-    let w = solve_spd(mass, force);
-    let mut hitch = [0.0; 3];
-    for j in 0..5 {
-        hitch = add(hitch, columns[j].map(|value| value * w[j]));
-    }
-    let mut rest = [0, 1, 2].map(|j| trailer.force[3 + j]);
-    for j in 0..3 {
-        rest[j] -= dot([m[3 + j][0], m[3 + j][1], m[3 + j][2]], hitch);
-    }
-    let rotation = inverse.map(|row| dot(row, rest));
-    let needed = times(hitch);
-    Solution {
-        tractor: [0.0, w[0], w[1], w[2], w[3], w[4]],
-        trailer: [hitch[0], hitch[1], hitch[2], rotation[0], rotation[1], rotation[2]],
-        hitch_force_n: [needed[0] - push[0], needed[1] - push[1], needed[2] - push[2]],
-    }
 }

@@ -61,13 +61,23 @@ impl Front {
         }
     }
 
-    /// Its accelerations, from those of the rear half.
+    /// What forces on it, its own roll moment among them, are for the whole trailer.
     #[inline]
-    pub(super) fn accelerations(own: &Equations, rear: &[f64; 6]) -> [f64; 6] {
+    pub(super) fn pass_on(own: &Equations, force: &mut [f64; 6]) {
+        let c = own.mass[ROLL];
+        let moment_nm = std::mem::take(&mut force[ROLL]);
+        for i in 0..ROLL {
+            force[i] -= c[i] / c[ROLL] * moment_nm;
+        }
+    }
+
+    /// Its accelerations, from its own roll moment and the accelerations of the rear half.
+    #[inline]
+    pub(super) fn accelerations(own: &Equations, roll_nm: f64, rear: &[f64; 6]) -> [f64; 6] {
         let c = own.mass[ROLL];
         let common: f64 = (0..ROLL).map(|i| c[i] * rear[i]).sum();
         let mut found = *rear;
-        found[ROLL] = (own.force[ROLL] - common) / c[ROLL];
+        found[ROLL] = (roll_nm - common) / c[ROLL];
         found
     }
 }

@@ -10,15 +10,17 @@ use cg_vehicle::characteristics::FifthWheel;
 use super::body::{Attitude, Motion};
 use super::vector::Vector;
 
-/// The fifth wheel's roll moment in the equations of the rates.
+/// The fifth wheel in the equations of the rates: its angle, and its moment against it.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Coupling {
     /// Restoring moment on the trailer.
     pub(super) moment_nm: f64,
-    /// Generalized moments on the tractor's yaw, pitch, roll.
-    pub(super) tractor: [f64; 3],
+    /// Derivatives of the angle with respect to the tractor's yaw, pitch, roll.
+    pub(super) by_tractor: [f64; 3],
     /// The same of the trailer.
-    pub(super) trailer: [f64; 3],
+    pub(super) by_trailer: [f64; 3],
+    /// Second derivative of the angle in time at constant rates.
+    pub(super) drift_radps2: f64,
 }
 
 /// A unit at the fifth wheel.
@@ -35,7 +37,7 @@ impl<'a> Side<'a> {
     }
 }
 
-/// The generalized moments of the fifth wheel; `turn` is the sine and cosine of the trailer's yaw minus
+/// The angle of the fifth wheel and its moment; `turn` is the sine and cosine of the trailer's yaw minus
 /// the tractor's.
 #[inline]
 pub(super) fn couple(
@@ -47,11 +49,16 @@ pub(super) fn couple(
     if wheel.tilts_on_tractor {
         return tilted(wheel, tractor, trailer, (sin, cos));
     }
-    let Coupling { moment_nm, tractor, trailer } = tilted(wheel, trailer, tractor, (-sin, cos));
-    Coupling { moment_nm: -moment_nm, tractor: trailer, trailer: tractor }
+    let exchanged = tilted(wheel, trailer, tractor, (-sin, cos));
+    Coupling {
+        moment_nm: -exchanged.moment_nm,
+        by_tractor: exchanged.by_trailer.map(|by| -by),
+        by_trailer: exchanged.by_tractor.map(|by| -by),
+        drift_radps2: -exchanged.drift_radps2,
+    }
 }
 
-/// The moments of a plate that tilts about an axis of the first unit, which is called the tractor here.
+/// The angle and moment of a plate that tilts about an axis of the first unit, which is called the tractor here.
 #[inline]
 fn tilted(
     wheel: &FifthWheel,
@@ -86,11 +93,34 @@ fn tilted(
             .sum();
         moment_nm += wheel.damping_nms_per_rad * rate;
     }
-    Coupling {
-        moment_nm,
-        tractor: by_tractor.map(|by| -moment_nm * by),
-        trailer: by_trailer.map(|by| -moment_nm * by),
-    }
+    let turning = trailer_rates[0] - tractor_rates[0];
+    let drift_radps2 = drift(trailer, [turning, trailer_rates[1], trailer_rates[2]], (sin, cos));
+    Coupling { moment_nm, by_tractor, by_trailer, drift_radps2 }
+}
+
+/// Second derivative in time, at constant rates of relative yaw, pitch and roll, of the angle of the trailer's vertical seen along
+/// the tractor.
+#[inline]
+fn drift(a: &Attitude, [turning, pitching, rolling]: [f64; 3], (sin, cos): (f64, f64)) -> f64 {
+    let k = vertical(a);
+    let [along_pitch, along_roll] =
+        [[k[2], 0.0, -k[0]], [-a.sin_pitch * a.sin_roll, -a.cos_roll, -a.cos_pitch * a.sin_roll]];
+    let along_both = [-a.cos_pitch * a.sin_roll, 0.0, a.sin_pitch * a.sin_roll];
+    let along_pitch_twice = [-k[0], 0.0, -k[2]];
+    let first = [0, 1, 2].map(|i| pitching * along_pitch[i] + rolling * along_roll[i]);
+    let second = [0, 1, 2].map(|i| {
+        pitching * pitching * along_pitch_twice[i] + 2.0 * pitching * rolling * along_both[i]
+            - rolling * rolling * k[i]
+    });
+    let across = |v: Vector| sin * v[0] + cos * v[1];
+    let along = |v: Vector| cos * v[0] - sin * v[1];
+    let (n, c) = (-across(k), k[2]);
+    let n_rate = -across(first) - turning * along(k);
+    let n_drift = -across(second) - 2.0 * turning * along(first) + turning * turning * across(k);
+    let (c_rate, c_drift) = (first[2], second[2]);
+    let scale = 1.0 / (n * n + c * c);
+    let rate = (c * n_rate - n * c_rate) * scale;
+    (c * n_drift - n * c_drift) * scale - 2.0 * rate * (n * n_rate + c * c_rate) * scale
 }
 
 /// The trailer's own vertical in its yaw frame.

@@ -3,6 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::dynamics::{Control, Probe};
+use super::method::Fastest;
 use super::state::{AxleCoordinate, Coordinate, FRONT_ROLL, FRONT_ROLL_RATE, ROOM, at};
 use super::yaw_roll::YawRollPlant;
 use cg_vehicle::error::VehicleError;
@@ -57,7 +58,7 @@ impl YawRollPlant {
     /// The state-space model of small motion about straight driving at a speed.
     ///
     /// It is meant for linear springs: the force of a measured spring has no derivative at rest, and
-    /// its friction holds it there.
+    /// its friction holds it there. The angle of a hard fifth wheel moves as slowly as in a run, which changes nothing else.
     ///
     /// # Errors
     /// If the vehicle cannot drive straight.
@@ -135,10 +136,9 @@ impl YawRollPlant {
         rear
     }
 
-    /// Magnitude of the fastest pole, without the friction of measured springs.
-    pub(super) fn fastest_radps(&self, speed_mps: f64) -> Result<f64, VehicleError> {
-        let poles = eigenvalues(&self.linearized(speed_mps)?.a)?;
-        Ok(poles.iter().map(|(re, im)| libm::hypot(*re, *im)).fold(0.0, f64::max))
+    /// The fastest motion, without the friction of measured springs.
+    pub(super) fn fastest(&self, speed_mps: f64) -> Result<Fastest, VehicleError> {
+        Ok(Fastest::of(&eigenvalues(&self.linearized(speed_mps)?.a)?))
     }
 
     /// The states of an axle that matter; the lagged slip only for tires with a lag.

@@ -15,6 +15,7 @@
 //! | `suspension` | springs: linear, or measured with friction; load equalization |
 //! | `tyre` | radial spring, lateral force and aligning moment over slip and load |
 //! | `hitch` | the fifth wheel: roll spring, separation, lash |
+//! | `joint` | both units as one, carried by the fifth wheel |
 //! | `dynamics` | the equations of motion |
 //! | `equilibrium` | straight driving by Newton's method |
 //! | `integrate` | Adams-Bashforth-Moulton or Runge-Kutta; rollover |
@@ -58,6 +59,7 @@ mod energy;
 mod body;
 mod front;
 mod hitch;
+mod joint;
 mod tyre;
 mod axle;
 mod dynamics;

@@ -77,6 +77,7 @@ pub(super) fn parameters(
         front,
         hitch_arm: [-tractor.hitch_behind_cg_m, 0.0, hitch.height_m - tractor.cg_height_m],
         hitch: FifthWheel::of(hitch),
+        hitch_inertia_kgm2: 0.0,
         axles,
         groups,
         kinds,

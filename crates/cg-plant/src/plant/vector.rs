@@ -65,28 +65,49 @@ pub(super) fn small_atan(x: f64) -> f64 {
     x * (1.0 - q * (1.0 / 3.0 - q * 0.2))
 }
 
-/// Solves `A x = b` for a symmetric positive definite `A` (its lower triangle is read) by `L D Lᵀ`.
-#[inline]
-pub(super) fn solve_spd<const N: usize>(mut a: [[f64; N]; N], mut b: [f64; N]) -> [f64; N] {
-    let mut inverse = [0.0; N];
-    for j in 0..N {
-        inverse[j] = 1.0 / a[j][j];
-        for i in j + 1..N {
-            let factor = a[i][j] * inverse[j];
-            for k in i..N {
-                a[k][i] -= a[k][j] * factor;
+/// A symmetric positive definite matrix as `L D Lᵀ`.
+pub(super) struct Factored<const N: usize> {
+    /// `L D`, in the lower triangle.
+    lower: [[f64; N]; N],
+    /// Of `D`.
+    inverse: [f64; N],
+}
+
+impl<const N: usize> Factored<N> {
+    /// Of a matrix of which the lower triangle is read.
+    #[inline]
+    pub(super) fn new(mut a: [[f64; N]; N]) -> Self {
+        let mut inverse = [0.0; N];
+        for j in 0..N {
+            inverse[j] = 1.0 / a[j][j];
+            for i in j + 1..N {
+                let factor = a[i][j] * inverse[j];
+                for k in i..N {
+                    a[k][i] -= a[k][j] * factor;
+                }
             }
-            b[i] -= factor * b[j];
         }
+        Self { lower: a, inverse }
     }
-    for i in (0..N).rev() {
-        let mut sum = b[i];
-        for k in i + 1..N {
-            sum -= a[k][i] * b[k];
+
+    /// Solves `A x = b`.
+    #[inline]
+    pub(super) fn solve(&self, mut b: [f64; N]) -> [f64; N] {
+        let Self { lower, inverse } = self;
+        for j in 0..N {
+            for i in j + 1..N {
+                b[i] -= lower[i][j] * inverse[j] * b[j];
+            }
         }
-        b[i] = sum * inverse[i];
+        for i in (0..N).rev() {
+            let mut sum = b[i];
+            for k in i + 1..N {
+                sum -= lower[k][i] * b[k];
+            }
+            b[i] = sum * inverse[i];
+        }
+        b
     }
-    b
 }
 
 /// Inverse of a symmetric 3 × 3 matrix.
@@ -124,7 +145,7 @@ mod tests {
     fn a_solution_solves() {
         let a = [[4.0, 1.0, -0.5], [1.0, 3.0, 0.25], [-0.5, 0.25, 2.0]];
         let b = [1.0, -2.0, 3.0];
-        let x = solve_spd(a, b);
+        let x = Factored::new(a).solve(b);
         let inverse = inverse_symmetric(a);
         for i in 0..3 {
             let sum: f64 = (0..3).map(|j| a[i][j] * x[j]).sum();

@@ -128,7 +128,9 @@ fn load_equalization_leaves_the_steady_body_alone() {
 /// Every pole of the linear model is a pole of the plant, which also has the poles of bounce and pitch.
 #[test]
 fn poles_are_those_of_the_linear_model() {
-    for vehicle in [ungrouped(), kraz()].into_iter().chain(twisting()) {
+    for mut vehicle in [ungrouped(), kraz()].into_iter().chain(twisting()) {
+        // Plates that can part keep the motion of a hard fifth wheel, which a run slows otherwise.
+        vehicle.hitch.separation_moment_nm = Some(1e12);
         let (ours, theirs) = both(&vehicle);
         let poles = ours.to_trailer_roll().poles().unwrap();
         for (re, im) in theirs.to_trailer_roll().poles().unwrap() {
