@@ -79,7 +79,7 @@ fn read(py: Python<'_>, path: &Path, options: &LogOptions) -> PyResult<(Table, V
             if table.rows == 0 {
                 table = Table::of(reader.signals()); // the first row may have said more than the header
             }
-            table.push(&reader.row());
+            table.push(|signal| reader.value(signal));
         }
         Ok(true)
     };
@@ -101,9 +101,10 @@ impl Table {
         Self { columns: signals.iter().map(|signal| (*signal, Vec::new())).collect(), rows: 0 }
     }
 
-    fn push(&mut self, row: &LogRow) {
+    /// Adds a row by its values.
+    fn push(&mut self, value: impl Fn(Signal) -> f64) {
         for (signal, column) in &mut self.columns {
-            let value = row.get(*signal);
+            let value = value(*signal);
             if column.is_empty() {
                 if value.is_nan() {
                     continue;
@@ -131,7 +132,7 @@ impl Table {
 pub(crate) fn table<'py>(py: Python<'py>, rows: &[LogRow]) -> PyResult<Bound<'py, PyDict>> {
     let mut table = Table::of(&Signal::ALL);
     for row in rows {
-        table.push(row);
+        table.push(|signal| row.get(signal));
     }
     table.into_dict(py)
 }

@@ -88,34 +88,35 @@ impl<T: Real, const N: usize> Arx<T, N> {
     /// Adds one sample of input and output; samples are equally spaced in time. Its row is used for
     /// the fit only if `use_row` is true.
     pub fn push(&mut self, input: T, output: T, use_row: bool) {
-        if self.seen >= self.na.max(self.nb + self.nk - 1) {
-            let mut row = [T::zero(); N];
-            for k in 0..N {
-                if k < self.na {
-                    row[k] = -self.past_y[k];
-                } else if k < self.na + self.nb {
-                    // u(t − lag); past_u[0] is u(t−1)
-                    let lag = k - self.na + self.nk;
-                    let past = lag.checked_sub(1).and_then(|i| self.past_u.get(i));
-                    row[k] = past.copied().unwrap_or(input);
-                } else if self.with_constant && k == self.na + self.nb {
-                    row[k] = T::one();
-                }
-            }
-            if use_row {
-                self.pending.push_into(&mut self.triangle, row, output);
-                self.moments.push(input, output);
-            }
-        } else {
+        if self.seen < self.na.max(self.nb + self.nk - 1) {
             self.seen += 1;
+        } else if use_row {
+            let row = self.row(input);
+            let row = row.get(..self.unknowns()).unwrap_or(&row);
+            self.pending.push_first_into(&mut self.triangle, row, output);
+            self.moments.push(input, output);
         }
-        for k in (1..N).rev() {
-            self.past_y[k] = self.past_y[k - 1];
-            self.past_u[k] = self.past_u[k - 1];
+        remember(&mut self.past_y, output);
+        remember(&mut self.past_u, input);
+    }
+
+    /// The regressors of a sample; those beyond the unknowns are zero.
+    #[inline]
+    fn row(&self, input: T) -> [T; N] {
+        let mut row = [T::zero(); N];
+        for (x, y) in row.iter_mut().zip(&self.past_y).take(self.na) {
+            *x = -*y;
         }
-        if let (Some(y), Some(u)) = (self.past_y.first_mut(), self.past_u.first_mut()) {
-            (*y, *u) = (output, input);
+        let own = row.get_mut(self.na..).unwrap_or(&mut []);
+        for (lag, x) in (self.nk..).zip(own.iter_mut().take(self.nb)) {
+            // u(t − lag); past_u[0] is u(t−1)
+            let past = lag.checked_sub(1).and_then(|i| self.past_u.get(i));
+            *x = past.copied().unwrap_or(input);
         }
+        if let Some(x) = own.get_mut(self.nb).filter(|_| self.with_constant) {
+            *x = T::one();
+        }
+        row
     }
 
     /// Deletes the past samples but keeps the rows. Call it at a gap in the log.
@@ -195,6 +196,14 @@ impl<T: Real, const N: usize> Arx<T, N> {
 
     fn unknowns(&self) -> usize {
         self.na + self.nb + usize::from(self.with_constant)
+    }
+}
+
+/// Puts the newest value before the past ones, and drops the oldest.
+#[inline]
+fn remember<T: Copy, const N: usize>(past: &mut [T; N], mut newest: T) {
+    for place in past {
+        core::mem::swap(place, &mut newest);
     }
 }
 

@@ -58,6 +58,31 @@ impl<T: Real, const N: usize, const B: usize> Pending<T, N, B> {
         }
     }
 
+    /// The same for a row whose regressors are zero but for the first ones, as in all rows of this buffer.
+    #[inline]
+    pub(crate) fn push_first_into(
+        &mut self,
+        triangle: &mut Triangle<T, N>,
+        regressors: &[T],
+        observation: T,
+    ) {
+        if let Some(place) = self.observations.get_mut(self.rows) {
+            *place = observation;
+        }
+        for (column, value) in self.columns.iter_mut().zip(regressors) {
+            if let Some(place) = column.get_mut(self.rows) {
+                *place = *value;
+            }
+        }
+        self.rows += 1;
+        if self.rows == B {
+            let columns = self.columns.get_mut(..regressors.len()).unwrap_or(&mut []);
+            triangle.push_first_columns(columns, &mut self.observations);
+            columns.fill([T::ZERO; B]);
+            (self.observations, self.rows) = ([T::ZERO; B], 0);
+        }
+    }
+
     /// Adds the waiting rows to a triangle and empties the buffer.
     pub(crate) fn fold_into<R: Rows<T>>(&mut self, triangle: &mut Triangle<T, N, R>) {
         triangle.push_block(&mut self.columns, &mut self.observations);

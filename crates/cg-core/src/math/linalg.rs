@@ -15,63 +15,7 @@
 //! (reflection) and §6.5.3 (appending a row).
 
 use crate::math::real::Real;
-
-/// Storage of the upper triangle `R`. Row `i` starts at its diagonal element.
-pub trait Rows<T>: Copy {
-    /// The triangle with all elements zero.
-    const EMPTY: Self;
-
-    /// Row `i`, from its diagonal element to its last element; empty if `i` is beyond the last row.
-    fn row(&self, i: usize) -> &[T];
-
-    /// Row `i` as in [`row`](Self::row), mutable.
-    fn row_mut(&mut self, i: usize) -> &mut [T];
-}
-
-/// Stores the triangle in a square array, whose lower half is not used.
-impl<T: Real, const N: usize> Rows<T> for [[T; N]; N] {
-    const EMPTY: Self = [[T::ZERO; N]; N];
-
-    #[inline]
-    fn row(&self, i: usize) -> &[T] {
-        self.get(i).and_then(|row| row.get(i..)).unwrap_or(&[])
-    }
-
-    #[inline]
-    fn row_mut(&mut self, i: usize) -> &mut [T] {
-        self.get_mut(i).and_then(|row| row.get_mut(i..)).unwrap_or(&mut [])
-    }
-}
-
-/// Stores the rows of the triangle one after the other in `P = N (N + 1)/2` numbers, which takes
-/// half the memory of a square array.
-#[derive(Clone, Copy, Debug)]
-pub struct Packed<T, const N: usize, const P: usize>(pub(crate) [T; P]);
-
-impl<T, const N: usize, const P: usize> Packed<T, N, P> {
-    /// Index range of row `i`.
-    const fn place(i: usize) -> core::ops::Range<usize> {
-        let start = (i * (2 * N + 1 - i)) / 2;
-        start..start + (N - i)
-    }
-}
-
-impl<T: Real, const N: usize, const P: usize> Rows<T> for Packed<T, N, P> {
-    const EMPTY: Self = {
-        assert!(P == N * (N + 1) / 2, "P is the number of elements of a triangle");
-        Self([T::ZERO; P])
-    };
-
-    #[inline(never)] // one copy in the firmware image
-    fn row(&self, i: usize) -> &[T] {
-        if i < N { self.0.get(Self::place(i)).unwrap_or(&[]) } else { &[] }
-    }
-
-    #[inline(never)]
-    fn row_mut(&mut self, i: usize) -> &mut [T] {
-        if i < N { self.0.get_mut(Self::place(i)).unwrap_or(&mut []) } else { &mut [] }
-    }
-}
+pub use crate::math::rows::{Packed, Rows};
 
 /// A least-squares problem with at most `N` unknowns, to which rows are added one at a time.
 ///
@@ -153,6 +97,16 @@ impl<T: Real, const N: usize, R: Rows<T>> Triangle<T, N, R> {
     pub fn push_block<const B: usize>(
         &mut self,
         columns: &mut [[T; B]; N],
+        observations: &mut [T; B],
+    ) {
+        self.push_first_columns(columns, observations);
+    }
+
+    /// The same for rows whose regressors are zero beyond those of the given columns.
+    #[inline]
+    pub(crate) fn push_first_columns<const B: usize>(
+        &mut self,
+        columns: &mut [[T; B]],
         observations: &mut [T; B],
     ) {
         for (j, z) in self.z.iter_mut().enumerate() {
@@ -404,8 +358,7 @@ mod tests {
 
     #[test]
     fn blocks_and_single_rows_agree() {
-        let mut single = Triangle::<f64, 3>::new();
-        let mut block = Triangle::<f64, 3>::new();
+        let [mut single, mut block, mut first] = [(); 3].map(|()| Triangle::<f64, 3>::new());
         for start in 0..5 {
             let (mut columns, mut observations) = ([[0.0; 8]; 3], [0.0; 8]);
             for b in 0..8 {
@@ -417,8 +370,11 @@ mod tests {
                 }
                 single.push(row, observations[b]);
             }
+            let (mut of_two, mut same) = ([columns[0], columns[1]], observations);
+            first.push_first_columns(&mut of_two, &mut same);
             block.push_block(&mut columns, &mut observations);
         }
+        assert_eq!(first.solve(2), block.solve(2));
         let (a, b) = (single.solve(3).unwrap(), block.solve(3).unwrap());
         for j in 0..3 {
             assert!((a[j] - b[j]).abs() < 1e-13);

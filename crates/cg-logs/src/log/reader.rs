@@ -228,6 +228,12 @@ impl LogReader {
         }
     }
 
+    /// A value of that row.
+    #[inline]
+    pub fn value(&self, signal: Signal) -> f64 {
+        self.given.map_or_else(|| self.values[signal as usize], |(_, row)| row.get(signal))
+    }
+
     fn advance_prepared(&mut self) -> Result<bool, LogError> {
         loop {
             let Some(preparation) = &mut self.preparation else { return Ok(false) };
