@@ -300,7 +300,7 @@ fn counted_once(trips: usize) -> Option<String> {
     })
 }
 
-/// The run of a log that an estimator with a [design for ratios](RatioDesign) has read.
+/// The run of a log that an estimator with a [design for ratios](cg_vehicle::design::RatioDesign) has read.
 ///
 /// # Errors
 /// [`VehicleError`] if no ratio was identified, or if the mass is not known or is not that of the load.
