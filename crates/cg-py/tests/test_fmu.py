@@ -280,9 +280,9 @@ def test_steps_of_any_length_give_the_same_drive(fmus):
             one.slave.doStep(0.5 + k * step_s, step_s)
         ends.append(one.get("roll_rad", "trailer_yaw_rad", "position_y_m", "time"))
         one.free()
-    # Rounding of the step lengths in a thousand steps. A shorter step divides the internal one further, and drives as exactly as
-    # docs/plant.md says: to 1e-6.
+    # Rounding of the step lengths in a thousand steps.
     assert np.allclose(ends[:3], ends[0], rtol=0, atol=1e-9)
+    # A shorter one divides the internal step further, and drives as exactly as docs/plant.md says.
     assert np.allclose(ends[3], ends[0], rtol=1e-6, atol=0)
 
 
