@@ -34,12 +34,13 @@ impl Prepares {
 }
 
 /// Prepares the samples of a drive.
-#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Preparation {
     /// Whether the yaw rate is that of the tractor because of where it comes from, unless the vehicle file says it.
     pub has_tractor_yaw: bool,
     /// Whether the lateral acceleration is that of the tractor's path, likewise.
     pub has_tractor_acceleration: bool,
+    /// The last speed.
     speed_mps: f64,
     /// The yaw rate of the trailer.
     yaw: Followed,
@@ -51,6 +52,20 @@ pub struct Preparation {
 }
 
 impl Preparation {
+    /// Before the first sample. The speed, m/s, is that of samples before the first one that has one.
+    pub fn at(nominal_speed_mps: f64) -> Self {
+        Self {
+            has_tractor_yaw: false,
+            has_tractor_acceleration: false,
+            speed_mps: nominal_speed_mps,
+            yaw: Followed::default(),
+            path: Followed::default(),
+            acceleration: Followed::default(),
+            twist: TwistCorrection::default(),
+            spikes: Spikes::default(),
+        }
+    }
+
     /// Takes what a row says of its yaw rate and its lateral acceleration: 1 if that is measured on the tractor, 0 if not. It holds
     /// until another row says something else; NaN says nothing.
     pub fn hear(&mut self, yaw_rate_on_tractor: f64, lateral_acceleration_on_tractor: f64) {
@@ -131,6 +146,26 @@ mod tests {
         samples.last().unwrap()
     }
 
+    /// A drive without a speed has that of the vehicle file from its first sample on.
+    #[test]
+    fn without_a_speed_the_trailer_follows_at_the_nominal_one() {
+        let text = template(TruckKind::FourByTwoThreeAxle);
+        let of = Prepares::of(&Vehicle::parse(&text, "truck").unwrap()).unwrap();
+        let followed = |nominal_mps: f64, speed_mps: f64| {
+            let mut preparation = Preparation::at(nominal_mps);
+            preparation.has_tractor_yaw = true;
+            let samples = (0..25_u64).map(|k| {
+                let yaw_rate_radps = if k > 0 { 0.1 } else { 0.0 };
+                let mut sample = Sample { yaw_rate_radps, speed_mps, ..Sample::absent(k * 20_000) };
+                preparation.prepare(&mut sample, &of, true, 9.81);
+                sample.yaw_rate_radps
+            });
+            samples.last().unwrap()
+        };
+        assert_eq!(followed(15.0, f64::NAN).to_bits(), followed(3.0, 15.0).to_bits());
+        assert!(followed(3.0, f64::NAN) < 0.8 * followed(15.0, f64::NAN));
+    }
+
     /// Only what is measured on the tractor is another one on the trailer, and that later.
     #[test]
     fn what_the_tractor_measures_becomes_that_of_the_trailer() {
@@ -138,7 +173,7 @@ mod tests {
         let of = Prepares::of(&Vehicle::parse(&text, "truck").unwrap()).unwrap();
         let text = text + "\n[sensors.yaw_rate]\non_tractor = true\n";
         let by_file = Prepares::of(&Vehicle::parse(&text, "truck").unwrap()).unwrap();
-        let (plain, mut on_bus) = (Preparation::default(), Preparation::default());
+        let (plain, mut on_bus) = (Preparation::at(15.0), Preparation::at(15.0));
         on_bus.has_tractor_yaw = true;
         let is_same = |found: f64, measured: f64| found.to_bits() == measured.to_bits();
         let same = last(&of, plain.clone(), 0.1);

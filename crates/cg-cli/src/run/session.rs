@@ -184,7 +184,7 @@ impl<W: Write> Session<W> {
             tilts: Tilts::default(),
             rated: Rated::default(),
             windward: Windward::default(),
-            preparation: Preparation::default(),
+            preparation: Preparation::at(design.nominal_speed_mps),
             samples: 0,
             counters: Counters::default(),
             offset_s: 0.0,
@@ -269,7 +269,7 @@ impl<W: Write> Session<W> {
         };
         let gravity_mps2 = self.estimator.design().gravity_mps2;
         self.leaning.push(sample, step.status, gravity_mps2);
-        self.strong.push(sample);
+        self.strong.push(sample, self.estimator.design());
         if self.options.side_wind.is_some() {
             self.windward.push(sample, step.status, self.estimator.design());
         }

@@ -42,6 +42,20 @@ pub(super) fn force_by_roll(
     })
 }
 
+/// The lateral acceleration of the path, m/s², that follows from the steer angle at the speed of a sample, by the ratios of a usual
+/// load; NaN if either is absent. Tires that are not linear make it too great in strong turns.
+pub(super) fn path_by_steer_mps2(sample: &Sample<f64>, design: &Design<f64>) -> f64 {
+    if !(sample.steer_rad.is_finite() && sample.speed_mps.is_finite()) {
+        return f64::NAN;
+    }
+    let mass_kg = design.nominal_trailer_mass_kg;
+    let [steer, lateral] = [Channel::Steer, Channel::LateralAcceleration].map(|channel| {
+        let line = design.line(channel, sample.speed_mps, mass_kg);
+        line.map_or(f64::NAN, |line| line.ratio_at(design.reference_height_m))
+    });
+    sample.steer_rad * steer / lateral
+}
+
 /// Adds an absent specific force of the trailer that a suspension roll needs, `f = a_y + g φ_g`, if the sample
 /// has a roll angle relative to gravity and the acceleration of the path. (The core has no room for this on a
 /// chip.)

@@ -103,7 +103,9 @@ impl Sums {
 
     /// Whether the force has no gravity.
     fn is_without_gravity(&self, gravity_mps2: f64) -> bool {
-        let Some(turn) = self.turn() else { return false };
+        let Some(turn) = self.turn().filter(|_| self.products[RATE][RATE] > 0.0) else {
+            return false;
+        };
         let rest = self.left(REST, false);
         let least = gravity_mps2 * gravity_mps2 * self.products[ROLL][ROLL];
         let on_bank = rest < least
@@ -273,6 +275,21 @@ mod tests {
             assert_eq!(told(1.0, bank_rad), None);
             assert!(told(0.0, bank_rad).unwrap().contains("of the tractor"));
         }
+    }
+
+    /// With a speed every 0.6 s each value is the first after a gap, so that nothing is known of its rate of change.
+    #[test]
+    fn values_that_come_one_by_one_tell_nothing() {
+        let mut check = ForceCheck::default();
+        for k in 0..1200_u32 {
+            let path_mps2 = (0.2 * f64::from(k)).sin();
+            let mut sample = Sample::absent(u64::from(k) * 600_000);
+            (sample.speed_mps, sample.yaw_rate_radps) = (20.0, path_mps2 / 20.0);
+            sample.suspension_roll_rad = 0.01 * path_mps2;
+            sample.lateral_specific_force_mps2 = 1.14 * path_mps2;
+            check.push(&sample, &design());
+        }
+        assert_eq!(check.contradiction(GRAVITY_MPS2, false, |_| true), None);
     }
 
     /// On a flat road `f − U r` is `1.4 · share · g s`; it counts as nothing below 0.5.

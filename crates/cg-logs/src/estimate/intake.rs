@@ -180,7 +180,7 @@ impl LogEstimator {
             strong: StrongTurns::default(),
             rated: Rated::default(),
             windward: Windward::default(),
-            preparation: Preparation::default(),
+            preparation: Preparation::at(design.nominal_speed_mps),
             left_out: LeftOut::default(),
             unheard: Unheard::default(),
             stop: SinceStop::default(),
@@ -254,7 +254,8 @@ impl LogEstimator {
         if Quantity::Speed.plausible(sample.speed_mps) {
             self.known_mps = sample.speed_mps;
         }
-        let next = SampleSum::of(&sample, self.known_mps, self.design.gravity_mps2);
+        let known = (self.known_mps, self.seen.speed_age.holds(time_us));
+        let next = SampleSum::of(&sample, known, self.design.gravity_mps2);
         if self.seen_kinds.0 != next.kinds() {
             let signals = Signals::of(&sample.checked(), self.known_mps, self.design.gravity_mps2);
             self.seen_kinds = (next.kinds(), signals.are_seen_by(&self.design));
@@ -299,19 +300,18 @@ impl LogEstimator {
         let Together { last_us, mean, of } = together;
         let (last_us, of) = (*last_us, *of);
         let together = Together { last_us, mean: mean.sample(last_us), of };
-        if let Some(masses_kg) = self.seen.to_weigh_kg.take() {
-            let speed_mps = if mean.has_speed() { together.mean.speed_mps } else { f64::NAN };
-            self.seen.weighed.weigh(last_us, masses_kg, speed_mps);
-        }
-        let step = self.engine.push_mean(&together); // not moved, because of the room for a maneuver in it
         let mut sample = together.mean;
         if !mean.has_speed() {
             sample.speed_mps = f64::NAN;
         }
+        if let Some(masses_kg) = self.seen.to_weigh_kg.take() {
+            self.seen.weighed.weigh(last_us, masses_kg, sample.speed_mps);
+        }
+        let step = self.engine.push_mean(&together); // not moved, because of the room for a maneuver in it
         let (sample, gravity_mps2) = (&sample, self.design.gravity_mps2);
         self.sensors.push_mean(sample, &self.design);
         self.leaning.push_mean((sample, f64::from(of.number)), step.status, gravity_mps2);
-        self.strong.push(sample);
+        self.strong.push(sample, &self.design);
         if self.options.side_wind.is_some() {
             self.windward.push(sample, step.status, &self.design);
         }
@@ -441,6 +441,35 @@ mod tests {
             }
         }
         assert!(heights > 4, "{heights} of {}", theirs.len());
+    }
+
+    /// A speed holds until the next one, so one a second shows strong turns and changes of speed as one in every row does.
+    #[test]
+    fn a_speed_once_a_second_shows_what_one_in_every_row_does() {
+        let strength = |every: u32| {
+            let mut log = plain();
+            for k in 0..9000_u32 {
+                let time_s = 0.02 * f64::from(k);
+                let turn = (0.3 * time_s).sin();
+                let path_mps2 = 2.5 * turn * turn * turn;
+                let speed_mps = SPEED_MPS + (0.4 * time_s).sin();
+                let row = LogRow {
+                    time_s,
+                    roll_rad: 0.04 * path_mps2,
+                    yaw_rate_radps: path_mps2 / speed_mps,
+                    speed_mps: if k % every == 0 { speed_mps } else { f64::NAN },
+                    trailer_mass_kg: MASS_KG,
+                    ..LogRow::ABSENT
+                };
+                log.push(&row).unwrap();
+            }
+            log.end();
+            log.strong.strength(&log.design, (Channel::LateralAcceleration, 2.0))
+        };
+        let (all, seldom) = (strength(1), strength(50));
+        assert!(all.greatest > 0.55 && all.unsteady_mps2 > 0.1, "{all:?}");
+        assert!((seldom.greatest / all.greatest - 1.0).abs() < 0.03, "{seldom:?} {all:?}");
+        assert!((seldom.unsteady_mps2 / all.unsteady_mps2 - 1.0).abs() < 0.2, "{seldom:?} {all:?}");
     }
 
     #[test]

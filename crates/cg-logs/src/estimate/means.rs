@@ -46,7 +46,7 @@ pub(super) struct SampleSum {
     signals: [f64; COUNT],
     /// Which of them are present.
     kinds: u32,
-    /// Number of samples with a speed, and the sum of the last known ones. A speed and a mass hold until the next one, so a
+    /// Number of samples for which a speed holds, and the sum of the last known ones. A speed and a mass hold for a while, so a
     /// mean may be of samples with and without them.
     speeds: u32,
     known_mps: f64,
@@ -59,8 +59,12 @@ pub(super) struct SampleSum {
 }
 
 impl SampleSum {
-    /// The sum of one sample, at the last known speed, which is that of the sample if it has one.
-    pub(super) fn of(sample: &Sample<f64>, known_mps: f64, gravity_mps2: f64) -> Self {
+    /// The sum of one sample, at the last known speed, m/s, which is that of the sample if it has one, and whether it still holds.
+    pub(super) fn of(
+        sample: &Sample<f64>,
+        (known_mps, holds): (f64, bool),
+        gravity_mps2: f64,
+    ) -> Self {
         let mut signals = [
             sample.roll_rad,
             sample.roll_to_gravity_rad,
@@ -90,7 +94,7 @@ impl SampleSum {
         Self {
             signals,
             kinds,
-            speeds: u32::from(Quantity::Speed.plausible(sample.speed_mps)),
+            speeds: u32::from(holds),
             known_mps,
             turns_mps2: yaw_rate_radps * known_mps,
             trailer_mass_kg: if has_mass { sample.trailer_mass_kg } else { f64::NAN },
@@ -103,7 +107,7 @@ impl SampleSum {
         self.kinds
     }
 
-    /// Whether any sample has a speed.
+    /// Whether a speed holds for any sample.
     pub(super) fn has_speed(&self) -> bool {
         self.speeds > 0
     }
@@ -220,7 +224,8 @@ mod tests {
     /// Its last known speed is 10 m/s if it has none.
     fn sum(sample: &Sample<f64>) -> SampleSum {
         let known_mps = if sample.speed_mps.is_nan() { 10.0 } else { sample.speed_mps };
-        SampleSum::of(sample, known_mps, 9.81)
+        let holds = Quantity::Speed.plausible(sample.speed_mps);
+        SampleSum::of(sample, (known_mps, holds), 9.81)
     }
 
     /// Every field comes back at its own place: sample `n` has `n` times a number of its own. The mass is the last one.

@@ -27,7 +27,7 @@
 //! | `tilts` | what is not known of the gains of inclinometers |
 //! | `rated` | the noise and the mounting of a roll rate whose integral is the roll angle |
 //! | `windward`, `by_wind` | what a side wind makes of the ratios, and which part of an interval that is |
-//! | `strong`, `speed_change` | how near to rolling over the turns came, and how the speed changed in them |
+//! | `strong`, `strength`, `speed_change` | how near to rolling over the turns came, and how the speed changed in them |
 //! | `weighed` | whether the mass is that of the present load |
 //! | `recorder` | inputs and roll angles of a log, for the shapes of a calibration |
 //! | `felt` | the lateral acceleration that the truck feels, a specific force from other sensors |
@@ -74,6 +74,7 @@ mod rated;
 mod by_wind;
 mod windward;
 mod speed_change;
+mod strength;
 mod strong;
 mod road;
 mod reason;
@@ -116,7 +117,8 @@ pub use road::RoadPart;
 pub use sensors::SensorCheck;
 pub use since_stop::SinceStop;
 pub use speed_age::SpeedAge;
-pub use strong::{Strength, StrongTurns};
+pub use strength::Strength;
+pub use strong::StrongTurns;
 pub use tilts::Tilts;
 pub use unheard::Unheard;
 pub use weighed::Weighed;

@@ -20,11 +20,16 @@ impl SpeedAge {
     pub fn push(&mut self, sample: &mut Sample<f64>) {
         if Quantity::Speed.plausible(sample.speed_mps) {
             self.last_us = Some(sample.time_us);
-        } else if let Some(last_us) = self.last_us
-            && sample.time_us.saturating_sub(last_us) > Quantity::Speed.serves_us()
-        {
+        } else if self.last_us.is_some() && !self.holds(sample.time_us) {
             self.leave_out(sample);
         }
+    }
+
+    /// Whether the last speed still holds at a time.
+    #[inline]
+    pub(super) fn holds(&self, time_us: u64) -> bool {
+        let serves = |us: u64| time_us.saturating_sub(us) <= Quantity::Speed.serves_us();
+        self.last_us.is_some_and(serves)
     }
 
     #[cold]

@@ -4,34 +4,14 @@
 use cg_core::{CHANNELS, Channel, Design, Maneuver, Measured, Sample};
 use serde::{Deserialize, Serialize};
 
-use super::felt::force_by_roll;
+use super::felt::{force_by_roll, path_by_steer_mps2};
 use super::speed_change::{GAP_S, InTurns, SpeedChange};
+use super::strength::{Strength, mean};
 
 /// Time constant with which the lateral acceleration is smoothed, s.
 const SMOOTH_S: f64 = 0.5;
-/// Share of the rollover threshold up to which springs and tires are linear.
-const LINEAR: f64 = 0.5;
-/// Standard deviation of a height over the square of what a turn exceeds that share by. On the nonlinear plant, steps of
-/// the files with measured springs leave 1 to 2 % rms at 0.6 of the threshold and 9 % at 0.8 (docs/limits.md).
-const ERROR: f64 = 1.5;
 /// Greatest lateral acceleration of turns, g. What seems to be more is another unit.
 const STRONGEST_G: f64 = 0.5;
-/// Share of the threshold from which on it is told.
-const TOLD: f64 = 0.6;
-
-/// Mean braking in turns that has no effect, m/s², and that from which on it is told.
-const FREE_MPS2: f64 = 0.1;
-const TOLD_MPS2: f64 = 0.2;
-/// Relative standard deviation of a height for each m/s² beyond. A tractor that brakes alone pushes the articulated trailer
-/// less to the outside: on the nonlinear plant, 72 turns each with a mean of 0.3, 0.5 and 0.75 m/s² have heights that are
-/// too great by 1.9, 3.2 and 4.0 % in the mean, and up to 15 % with a light load (docs/limits.md).
-const BRAKING_S2_PER_M: f64 = 0.1;
-/// The same of accelerating, if the lateral acceleration is yaw rate times speed. On the nonlinear plant, 18 turns each that go
-/// faster by 0.2, 0.3 and 0.5 m/s² have heights that are too low by 2.5, 2.9 and 4.0 % in the mean, and up to 8 %
-/// (docs/limits.md); with a measured lateral acceleration, 1.4 % at 0.5 m/s².
-const SPEEDING_S2_PER_M: f64 = 0.1;
-/// Mean acceleration in turns that is told, m/s².
-const TOLD_SPEEDING_MPS2: f64 = 0.1;
 
 /// Relative standard deviation of a height for each m/s² of the standard deviation of the acceleration within a turn, also if its mean
 /// is zero: the forces at the fifth wheel, and the springs that they load, then change with the lateral acceleration.
@@ -42,8 +22,6 @@ const UNSTEADY_S2_PER_M: f64 = 0.05;
 /// friction holds 4 to 12 %, have heights that are 4 % too great then, and air springs with 2 % of it 1 % (docs/limits.md).
 const OF_FRICTION: f64 = 0.6;
 const MOVES_MPS2: f64 = 0.5;
-/// Relative standard deviation from which on that is told: 0.25 m/s² of a truck without friction.
-const TOLD_UNSTEADY: f64 = 0.0125;
 
 /// Greatest share of the threshold that is told apart, so that a threshold of zero gives a number.
 const MOST_SHARE: f64 = 100.0;
@@ -53,11 +31,9 @@ const MOST_MANEUVERS: usize = 1000;
 /// How strong the turns of a load are: those of a log, or those on the bus since the load changed.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct StrongTurns {
-    time_us: u64,
-    /// Smoothed: that of the path, and the specific force of the trailer or else of the tractor.
-    smooth_mps2: [f64; 2],
-    /// The greatest sizes since the last maneuver.
-    greatest_mps2: [f64; 2],
+    /// That of the path, the specific force of the trailer or else of the tractor, and where neither is known, the lateral
+    /// acceleration that follows from the steer angle.
+    signals: [Smooth; 3],
     maneuvers: Vec<Peak>,
     /// What was known before a restart.
     kept: Strength,
@@ -65,6 +41,31 @@ pub struct StrongTurns {
     path_squares: f64,
     path_cubes: f64,
     speed: SpeedChange,
+}
+
+/// A lateral acceleration or specific force, m/s², which may be missing in most samples.
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
+struct Smooth {
+    time_us: u64,
+    smooth_mps2: f64,
+    /// The greatest size since the last maneuver.
+    greatest_mps2: f64,
+}
+
+impl Smooth {
+    /// Takes a value, and returns the time since the one before, s; `None` if it is absent.
+    fn push(&mut self, time_us: u64, now_mps2: f64) -> Option<f64> {
+        if !now_mps2.is_finite() {
+            return None;
+        }
+        #[allow(clippy::cast_precision_loss)] // 2^53 µs are 285 years
+        let passed_s = time_us.saturating_sub(self.time_us) as f64 * 1e-6;
+        self.time_us = time_us;
+        let share = if passed_s > GAP_S { 1.0 } else { passed_s / (SMOOTH_S + passed_s) };
+        self.smooth_mps2 += share * (now_mps2 - self.smooth_mps2);
+        self.greatest_mps2 = self.greatest_mps2.max(self.smooth_mps2.abs());
+        Some(passed_s)
+    }
 }
 
 /// The greatest lateral accelerations of a maneuver.
@@ -92,34 +93,36 @@ impl StrongTurns {
     }
 
     /// Takes a sample.
-    pub fn push(&mut self, sample: &Sample<f64>) {
-        #[allow(clippy::cast_precision_loss)] // 2^53 µs are 285 years
-        let passed_s = sample.time_us.saturating_sub(self.time_us) as f64 * 1e-6;
-        self.time_us = sample.time_us;
+    pub fn push(&mut self, sample: &Sample<f64>, design: &Design<f64>) {
         let or = |first: f64, second: f64| if first.is_nan() { second } else { first };
         let turn_mps2 = sample.yaw_rate_radps * sample.speed_mps;
         let path_mps2 = or(sample.lateral_acceleration_mps2, turn_mps2);
-        let force_mps2 =
-            or(sample.lateral_specific_force_mps2, sample.tractor_lateral_specific_force_mps2);
-        for (place, now_mps2) in [path_mps2, force_mps2].into_iter().enumerate() {
-            if now_mps2.is_finite() {
-                let smooth_mps2 = &mut self.smooth_mps2[place];
-                let share = if passed_s > GAP_S { 1.0 } else { passed_s / (SMOOTH_S + passed_s) };
-                *smooth_mps2 += share * (now_mps2 - *smooth_mps2);
-                let greatest_mps2 = &mut self.greatest_mps2[place];
-                *greatest_mps2 = greatest_mps2.max(smooth_mps2.abs());
-            }
-        }
+        let gravity_mps2 = design.gravity_mps2;
+        let forces_mps2 = [
+            (sample.lateral_specific_force_mps2, sample.tilt_rad),
+            (sample.tractor_lateral_specific_force_mps2, sample.tractor_tilt_rad),
+        ];
+        let [trailer_mps2, tractor_mps2] =
+            forces_mps2.map(|(force_mps2, tilt_rad)| or(force_mps2, gravity_mps2 * tilt_rad));
+        let force_mps2 = or(trailer_mps2, tractor_mps2);
+        let is_alone = path_mps2.is_nan() && force_mps2.is_nan();
+        let steer_mps2 = if is_alone { path_by_steer_mps2(sample, design) } else { f64::NAN };
+        let [path, force, steer] = &mut self.signals;
+        let passed_s = path.push(sample.time_us, path_mps2);
+        force.push(sample.time_us, force_mps2);
+        steer.push(sample.time_us, steer_mps2);
         if sample.speed_mps.is_finite() {
-            self.speed.push((sample.time_us, sample.speed_mps), self.smooth_mps2[0]);
+            let best = self.signals.iter().find(|signal| signal.greatest_mps2 > 0.0);
+            let lateral_mps2 = best.map_or(0.0, |signal| signal.smooth_mps2);
+            self.speed.push((sample.time_us, sample.speed_mps), lateral_mps2);
         }
-        if path_mps2.is_finite() {
+        if let Some(passed_s) = passed_s {
             self.speed.by_yaw_rate = sample.lateral_acceleration_mps2.is_nan();
-        }
-        if path_mps2.is_finite() && passed_s <= GAP_S {
-            let path_mps2 = self.smooth_mps2[0].abs();
-            self.path_squares += passed_s * path_mps2 * path_mps2;
-            self.path_cubes += passed_s * path_mps2 * path_mps2 * path_mps2;
+            if passed_s <= GAP_S {
+                let path_mps2 = self.signals[0].smooth_mps2.abs();
+                self.path_squares += passed_s * path_mps2 * path_mps2;
+                self.path_cubes += passed_s * path_mps2 * path_mps2 * path_mps2;
+            }
         }
     }
 
@@ -133,7 +136,13 @@ impl StrongTurns {
     /// Relative standard deviation of the ratio of a channel by the articulation in the turns. It has one sign.
     pub(super) fn articulated_sd(&self, design: &Design<f64>, channel: Channel) -> f64 {
         let used = self.maneuvers.iter().filter(|one| one.gave[channel.index()]);
-        let curvature = |one: &Peak| one.path_mps2 / (one.speed_mps * one.speed_mps);
+        let curvature = |one: &Peak| {
+            let load = [one.trailer_mass_kg, design.reference_height_m];
+            let by_roll = || 1.0 + force_by_roll(design, one.speed_mps, load);
+            let is_known = one.path_mps2 > 0.0;
+            let path_mps2 = if is_known { one.path_mps2 } else { one.force_mps2 / by_roll() };
+            path_mps2 / (one.speed_mps * one.speed_mps)
+        };
         let by_yaw_rate = self.speed.by_yaw_rate;
         let sd = |one| design.articulated_sd(channel, curvature(one), by_yaw_rate);
         mean(&used.map(sd).collect::<Vec<_>>())
@@ -147,7 +156,10 @@ impl StrongTurns {
         } else if self.maneuvers.len() == MOST_MANEUVERS {
             self.maneuvers.remove(0);
         }
-        let [path_mps2, force_mps2] = std::mem::take(&mut self.greatest_mps2);
+        let greatest = |signal: &mut Smooth| std::mem::take(&mut signal.greatest_mps2);
+        let [path_mps2, force_mps2, steer_mps2] = self.signals.each_mut().map(greatest);
+        let is_by_steer = path_mps2 <= 0.0 && force_mps2 <= 0.0;
+        let path_mps2 = if is_by_steer { steer_mps2 } else { path_mps2 };
         let InTurns { mean_mps2, sd_mps2, recent_mps2 } = self.speed.take();
         let braking_mps2 = (-mean_mps2).max(0.0);
         let speeding_mps2 = if self.speed.by_yaw_rate { mean_mps2 } else { 0.0 };
@@ -200,113 +212,6 @@ impl StrongTurns {
     }
 }
 
-/// What the turns of a load came to.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Strength {
-    /// The greatest share of the rollover threshold.
-    pub greatest: f64,
-    /// Mean braking in the turns, m/s². Older state files do not have it.
-    #[serde(default)]
-    pub braking_mps2: f64,
-    /// Mean acceleration in turns whose lateral acceleration is yaw rate times speed, m/s². Older state files do not have it.
-    #[serde(default)]
-    pub speeding_mps2: f64,
-    /// Standard deviation of the acceleration within the turns, m/s²; with friction in the springs the root mean square in and
-    /// before them, if that is more. Older state files do not have it.
-    #[serde(default)]
-    pub unsteady_mps2: f64,
-    /// Relative standard deviation that this alone adds. Older state files do not have it.
-    #[serde(default)]
-    pub unsteady_sd: f64,
-    /// Relative standard deviation that this adds to the height.
-    pub sd: f64,
-}
-
-impl Strength {
-    /// Of turns with these shares of the threshold, decelerations and accelerations, m/s². Their errors have one sign, so they do
-    /// not average out.
-    fn of(
-        shares: &[f64],
-        braking_mps2: &[f64],
-        speeding_mps2: &[f64],
-        unsteady: &[[f64; 2]],
-    ) -> Self {
-        let beyond = shares.iter().map(|share| (share - LINEAR).max(0.0));
-        let strong: Vec<_> = beyond.map(|share| ERROR * share * share).collect();
-        let braking =
-            braking_mps2.iter().map(|mps2| BRAKING_S2_PER_M * (mps2 - FREE_MPS2).max(0.0));
-        let greatest = shares.iter().copied().fold(0.0, f64::max);
-        // Turns in which the truck goes slower have the opposite error.
-        let speeding_mps2 = mean(speeding_mps2).max(0.0);
-        let speeding = SPEEDING_S2_PER_M * speeding_mps2;
-        let sd = libm::hypot(mean(&strong), mean(&braking.collect::<Vec<_>>()) + speeding);
-        let of_unsteady = |k: usize| mean(&unsteady.iter().map(|one| one[k]).collect::<Vec<_>>());
-        let (unsteady_mps2, unsteady_sd) = (of_unsteady(0), of_unsteady(1));
-        let (braking_mps2, sd) = (mean(braking_mps2), libm::hypot(sd, unsteady_sd));
-        Self { greatest, braking_mps2, speeding_mps2, unsteady_mps2, unsteady_sd, sd }
-    }
-
-    /// Whether no turn came so near that it is kept over a restart.
-    pub fn is_none(&self) -> bool {
-        self.sd <= 0.0
-            && self.greatest <= TOLD
-            && self.braking_mps2 <= TOLD_MPS2
-            && self.speeding_mps2 <= TOLD_SPEEDING_MPS2
-            && self.unsteady_sd <= TOLD_UNSTEADY
-    }
-
-    /// Whether these are numbers that turns can come to.
-    pub(crate) fn is_sound(self) -> bool {
-        let Self { greatest, braking_mps2, speeding_mps2, unsteady_mps2, unsteady_sd, sd } = self;
-        [greatest, braking_mps2, speeding_mps2, unsteady_mps2, unsteady_sd, sd]
-            .iter()
-            .all(|number| number.is_finite() && *number >= 0.0)
-    }
-
-    /// What is said of turns that came near to rolling over, and of braking in turns.
-    pub fn messages(self) -> Vec<String> {
-        let strong = (self.greatest > TOLD).then(|| {
-            format!(
-                "the strongest turn came to {:.0} % of the rollover threshold, where springs and tires are not linear: \
-                 the height can be several percent wrong, mostly too great, and the interval was made wider; estimate \
-                 from gentler turns",
-                100.0 * self.greatest
-            )
-        });
-        let braking = (self.braking_mps2 > TOLD_MPS2).then(|| {
-            format!(
-                "the truck braked in turns, with {:.1} m/s² in the mean: the height can be several percent too great, \
-                 and the interval was made wider; estimate from turns at a steady speed",
-                self.braking_mps2
-            )
-        });
-        let speeding = (self.speeding_mps2 > TOLD_SPEEDING_MPS2).then(|| {
-            format!(
-                "the truck went faster in turns, by {:.1} m/s² in the mean, and its lateral acceleration is yaw rate times speed: \
-                 the height can be several percent too low, and the interval was made wider; estimate from turns at a steady \
-                 speed, or record the lateral acceleration",
-                self.speeding_mps2
-            )
-        });
-        let is_told = braking.is_some() || speeding.is_some();
-        let unsteady = (!is_told && self.unsteady_sd > TOLD_UNSTEADY).then(|| {
-            format!(
-                "the truck braked and accelerated in turns, or before them, by {:.1} m/s²: the height can be some percent \
-                 wrong, and the interval was made wider; estimate from turns at a steady speed",
-                self.unsteady_mps2
-            )
-        });
-        strong.into_iter().chain(braking).chain(speeding).chain(unsteady).collect()
-    }
-}
-
-/// The mean; zero of no numbers.
-#[allow(clippy::cast_precision_loss)] // a count
-fn mean(numbers: &[f64]) -> f64 {
-    numbers.iter().sum::<f64>() / (numbers.len() as f64).max(1.0)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -318,7 +223,7 @@ mod tests {
             let time_s = f64::from(k) / f64::from(rate_hz);
             let mut sample = Sample::absent(u64::from(k) * 1_000_000 / u64::from(rate_hz));
             sample.lateral_acceleration_mps2 = lateral_mps2(time_s);
-            turns.push(&sample);
+            turns.push(&sample, &design());
         }
         turns
     }
@@ -345,9 +250,10 @@ mod tests {
         turns.close(&maneuver(), false);
         let Peak { path_mps2, force_mps2, .. } = turns.maneuvers[0];
         assert!((path_mps2 - 2.0).abs() < 1e-3 && force_mps2 == 0.0, "{path_mps2}");
-        assert_eq!((turns.maneuvers.len(), turns.greatest_mps2), (1, [0.0; 2]));
+        let greatest = turns.signals.map(|signal| signal.greatest_mps2);
+        assert_eq!((turns.maneuvers.len(), greatest), (1, [0.0; 3]));
         let spike = reached(50, 4, |time_s| if (time_s - 2.0).abs() < 0.01 { 5.0 } else { 1.0 });
-        assert!((1.0..1.2).contains(&spike.greatest_mps2[0]), "{:?}", spike.greatest_mps2);
+        assert!((1.0..1.2).contains(&spike.signals[0].greatest_mps2), "{:?}", spike.signals);
     }
 
     /// Of a load only its own turns count, of those as many as memory has room for, and after a restart what was known.
@@ -359,7 +265,7 @@ mod tests {
         let of = |turns: &StrongTurns| turns.strength(&design, (Channel::LateralAcceleration, 2.0));
         let mut turns = StrongTurns::default();
         let turn = |turns: &mut StrongTurns, share: f64, is_of_another_load: bool| {
-            turns.greatest_mps2 = [share * threshold_g * design.gravity_mps2, 0.0];
+            turns.signals[0].greatest_mps2 = share * threshold_g * design.gravity_mps2;
             let mut maneuver = maneuver();
             maneuver.outcomes[Channel::LateralAcceleration.index()].height_m =
                 Ok(Measured { value: 2.0, sd: 0.01 });
@@ -388,25 +294,6 @@ mod tests {
         );
     }
 
-    /// Two turns at 0.7 of the threshold leave 1.5·0.2² = 6 %, beside two gentle ones the half.
-    #[test]
-    fn strong_turns_widen_the_interval() {
-        let strong = Strength::of(&[0.7, 0.7], &[0.0, 0.0], &[], &[]);
-        assert!((strong.sd - 0.06).abs() < 1e-12 && strong.messages()[0].contains("70 %"));
-        assert!((Strength::of(&[0.7, 0.7, 0.3, 0.5], &[], &[], &[]).sd - 0.03).abs() < 1e-12);
-        let gentle = Strength { greatest: 0.5, ..Strength::default() };
-        assert_eq!(Strength::of(&[0.5, 0.2], &[], &[], &[]), gentle);
-        assert!(gentle.is_none() && Strength::of(&[], &[], &[], &[]).messages().is_empty());
-    }
-
-    /// A mean of 0.5 m/s² adds 10 % of the 0.4 m/s² that are not free.
-    #[test]
-    fn braking_in_turns_widens_the_interval() {
-        let braked = Strength::of(&[0.3, 0.3], &[0.5, 0.5], &[], &[]);
-        assert!((braked.sd - 0.04).abs() < 1e-12 && braked.messages()[0].contains("0.5 m/s²"));
-        assert!(!braked.is_none() && Strength::of(&[0.3], &[0.1], &[], &[]).is_none());
-    }
-
     /// Braking into a turn and accelerating out of it has a mean of zero. Springs with friction also keep what was before the turn.
     #[test]
     fn a_speed_that_changes_in_turns_widens_the_interval() {
@@ -419,7 +306,7 @@ mod tests {
                 let mut sample = Sample::absent(u64::from(k) * 20_000);
                 sample.speed_mps = speed_mps;
                 sample.lateral_acceleration_mps2 = if time_s < 15.0 { 0.0 } else { 1.0 };
-                turns.push(&sample);
+                turns.push(&sample, design);
             }
             let mut maneuver = maneuver();
             maneuver.outcomes[Channel::LateralAcceleration.index()].height_m =
@@ -467,7 +354,7 @@ mod tests {
                 if is_measured {
                     sample.lateral_acceleration_mps2 = turn_mps2;
                 }
-                turns.push(&sample);
+                turns.push(&sample, &design());
             }
             let mut maneuver = maneuver();
             for outcome in &mut maneuver.outcomes {
@@ -489,5 +376,56 @@ mod tests {
             assert!(other.speeding_mps2 <= 0.0 && other.messages().is_empty(), "{other:?}");
             assert!(other.sd < 0.005, "what the filters take for a change: {other:?}");
         }
+    }
+
+    /// Of the truck of round numbers: the roll angle is 0.04 rad for each m/s², so a force is 1 + 0.04·9.81 times the lateral
+    /// acceleration, and that is ten times the steer angle. It brakes by 0.5 m/s² in a turn of 2.4 m/s².
+    #[test]
+    fn whatever_shows_a_turn_shows_how_strong_it_is() {
+        let design = design();
+        let by_roll = 1.0 + 0.04 * design.gravity_mps2;
+        let strength = |every: u32, show: &dyn Fn(&mut Sample<f64>, f64)| {
+            let mut turns = StrongTurns::default();
+            for k in 0..1000_u32 {
+                let since_s = f64::from(k) / 50.0 - 8.0;
+                let path_mps2 = if since_s > 0.0 { 2.4 * (1.0 - (-since_s).exp()) } else { 0.0 };
+                let mut sample = Sample::absent(u64::from(k) * 20_000);
+                sample.speed_mps = 18.0 - 0.5 * since_s.max(0.0);
+                if k % every == 0 {
+                    show(&mut sample, path_mps2);
+                }
+                turns.push(&sample, &design);
+            }
+            let mut maneuver = maneuver();
+            for outcome in &mut maneuver.outcomes {
+                outcome.height_m = Ok(Measured { value: 2.0, sd: 0.01 });
+            }
+            turns.close(&maneuver, false);
+            turns.strength(&design, (Channel::Steer, 2.0))
+        };
+        let usual = strength(1, &|sample, mps2| sample.lateral_acceleration_mps2 = mps2);
+        assert!(usual.greatest > 0.6 && (usual.braking_mps2 - 0.5).abs() < 0.01, "{usual:?}");
+        let shows: [(u32, &dyn Fn(&mut Sample<f64>, f64)); 7] = [
+            (25, &|sample, mps2| sample.lateral_acceleration_mps2 = mps2),
+            (1, &|sample, mps2| sample.yaw_rate_radps = mps2 / sample.speed_mps),
+            (1, &|sample, mps2| sample.lateral_specific_force_mps2 = by_roll * mps2),
+            (1, &|sample, mps2| sample.tilt_rad = by_roll * mps2 / 9.81),
+            (1, &|sample, mps2| sample.tractor_lateral_specific_force_mps2 = by_roll * mps2),
+            (1, &|sample, mps2| sample.tractor_tilt_rad = by_roll * mps2 / 9.81),
+            (1, &|sample, mps2| sample.steer_rad = 0.1 * mps2),
+        ];
+        for (k, (every, show)) in shows.into_iter().enumerate() {
+            let found = strength(every, show);
+            assert!((found.greatest / usual.greatest - 1.0).abs() < 0.01, "{k} {found:?}");
+            assert!((found.braking_mps2 - usual.braking_mps2).abs() < 0.02, "{k} {found:?}");
+        }
+        // A steer angle is not asked where anything else is known, if only now and then.
+        let both = strength(1, &|sample, mps2| {
+            sample.steer_rad = 0.2 * mps2;
+            if sample.time_us.is_multiple_of(100_000) {
+                sample.lateral_acceleration_mps2 = mps2;
+            }
+        });
+        assert!((both.greatest / usual.greatest - 1.0).abs() < 0.01, "{both:?}");
     }
 }

@@ -10,6 +10,7 @@ use cg_vehicle::wind::{GUST_S, GUSTS};
 use serde::{Deserialize, Serialize};
 
 use super::by_wind::ByWind;
+use super::felt::path_by_steer_mps2;
 use super::tilts::height_sd_of_ratio_m;
 
 /// Half-life of the weight of straight driving before a turn, as in the estimator, s.
@@ -287,12 +288,6 @@ impl Windward {
 
 /// The lateral acceleration of the path, m/s², from whatever shows it best.
 fn path_mps2(sample: &Sample<f64>, design: &Design<f64>) -> Option<f64> {
-    let by_steer = || {
-        let mass_kg = design.nominal_trailer_mass_kg;
-        let line = |channel| design.line(channel, sample.speed_mps, mass_kg);
-        let ratio = |channel| Some(line(channel)?.ratio_at(design.reference_height_m));
-        Some(sample.steer_rad * ratio(Channel::Steer)? / ratio(Channel::LateralAcceleration)?)
-    };
     [
         sample.lateral_acceleration_mps2,
         sample.yaw_rate_radps * sample.speed_mps,
@@ -301,7 +296,7 @@ fn path_mps2(sample: &Sample<f64>, design: &Design<f64>) -> Option<f64> {
     ]
     .into_iter()
     .find(|mps2| mps2.is_finite())
-    .or_else(by_steer)
+    .or_else(|| Some(path_by_steer_mps2(sample, design)))
     .filter(|mps2| mps2.is_finite())
 }
 
