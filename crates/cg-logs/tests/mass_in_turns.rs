@@ -71,7 +71,9 @@ fn a_speed_that_begins_after_the_last_turn_is_told() {
     rows[..last].iter_mut().for_each(|row| row.speed_mps = f64::NAN);
     let told = estimate(&rows).messages.join("; ");
     assert!(told.contains("the speed in the log begins after the last turn"), "{told}");
-    rows.iter_mut().step_by(100).for_each(|row| row.speed_mps = 13.9); // of 50 a second
+    let mut rows = then_with(LADEN_KG);
+    let seldom = rows.iter_mut().enumerate().filter(|(k, _)| k % 100 > 0); // of 50 a second
+    seldom.for_each(|(_, row)| row.speed_mps = f64::NAN);
     let told = estimate(&rows).messages.join("; ");
     assert!(!told.contains("speed"), "{told}");
 }
@@ -114,4 +116,58 @@ fn a_run_has_the_mass_of_its_turns() {
     );
     let told = run(two, laden).unwrap_err().to_string();
     assert!(told.contains("but a run has one load"), "{told}");
+}
+
+/// A log of 20 t; two minutes later one of 10 t, straight on for `straight_s` before its turn.
+fn two_loads(straight_s: f64) -> Vec<LogRow> {
+    let mut rows = rows_of("A_p20_h190");
+    let (pause_s, next) = (rows.last().unwrap().time_s + 120.0, rows_of("A_p10_h170"));
+    let step_s = next[1].time_s - next[0].time_s;
+    let straight = (0..).map(|k| step_s * f64::from(k)).take_while(|s| *s < straight_s);
+    rows.extend(straight.map(|s| LogRow { time_s: pause_s + s, ..next[0] }));
+    let later_s = pause_s + straight_s - next[0].time_s;
+    rows.extend(next.iter().map(|row| LogRow { time_s: row.time_s + later_s, ..*row }));
+    rows
+}
+
+/// A mass that stands only where it changes is that of the load from then on, however long the truck drives before it turns.
+#[test]
+fn a_new_mass_after_a_pause_is_not_that_of_the_load_before() {
+    for straight_s in [10.0, 60.0] {
+        let mut rows = two_loads(straight_s);
+        let known = estimate(&rows);
+        let mut last_kg = f64::NAN;
+        for row in &mut rows {
+            let mass_kg = std::mem::replace(&mut row.trailer_mass_kg, f64::NAN);
+            if mass_kg.to_bits() != last_kg.to_bits() {
+                (row.trailer_mass_kg, last_kg) = (mass_kg, mass_kg);
+            }
+        }
+        let found = estimate(&rows);
+        let told = found.messages.join("; ");
+        assert!(told.contains("the load changed before") && !told.contains("one before"), "{told}");
+        let sd_m = [&found, &known].map(|one| one.height_sd_m.unwrap());
+        assert!((sd_m[0] / sd_m[1] - 1.0).abs() < 0.01, "{sd_m:?}");
+    }
+}
+
+/// A mass that comes after the first turns is no other load: they had that of the vehicle file and are left out.
+#[test]
+fn a_mass_that_comes_late_is_no_other_load() {
+    let mut rows = rows_of("F_drive1");
+    let middle_s = rows[rows.len() / 2].time_s;
+    let early = rows.iter_mut().filter(|row| row.time_s < middle_s);
+    early.for_each(|row| row.trailer_mass_kg = f64::NAN);
+    let found = estimate(&rows);
+    let told = found.messages.join("; ");
+    assert!(told.contains("without a trailer mass, are left out"), "{told}");
+    assert!(!told.contains("the load changed"), "{told}");
+    assert!(found.height_m.is_some());
+    let logs = [KnownLog { log: "the.csv".to_owned(), load: KnownLoad::exact(1.55, None) }];
+    let vehicle = vehicle("kraz.toml");
+    let run = calibrate::<VehicleError>(&vehicle, CalibrateOptions::default(), &logs, |_, one| {
+        rows.iter().try_for_each(|row| one.push(row).map(drop)).unwrap();
+        Ok(())
+    });
+    assert!((run.unwrap().run[0].trailer_mass_kg / LADEN_KG - 1.0).abs() < 1e-9);
 }

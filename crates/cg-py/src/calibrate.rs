@@ -102,9 +102,12 @@ pub(crate) fn calibrate_files(
     output: PathBuf,
     request: Request,
 ) -> PyResult<()> {
+    let variant = word("model", &request.model)?;
     let options = log_options(&request.columns, &request.flip)?;
+    let options = options.of_vehicle(&vehicle.get().file, vehicle.get().lift_axle, variant);
+    let options = options.map_err(vehicle_error)?;
     let how = CalibrateOptions {
-        variant: word("model", &request.model)?,
+        variant,
         method: word("method", &request.method)?,
         channel: word::<ChannelChoice>("channel", &request.channel)?.into(),
         procedure: word("procedure", &request.procedure)?,

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import json
 import logging
+import re
 import subprocess
 import time
+import tomllib
 
 import asammdf
 import can
@@ -107,6 +109,28 @@ def test_a_frame_knows_how_exact_the_mass_on_the_bus_is(suffix, truck, drive, tm
         exact = frame.drop(columns="trailer_mass_sd_kg")
         narrow = cgheight.estimate_log(exact, vehicle=calibrated)
         assert narrow.height_sd_m < 0.7 * expected.height_sd_m
+
+
+def test_a_mass_of_zero_on_the_bus_is_not_exact(drive, tmp_path):
+    _, path = drive
+    lines = path.read_text().splitlines(keepends=True)
+    weight = re.compile(r"(18FEEA..#F{6})(....)")
+    zero = tmp_path / "zero.log"
+    zero.write_text("".join(weight.sub(r"\g<1>0000", line) for line in lines))
+    assert "trailer_mass_sd_kg" in read_log(path)
+    frame = read_log(zero)
+    assert frame.trailer_mass_kg.dropna().max() == 0.0
+    assert "trailer_mass_sd_kg" not in frame
+
+
+def test_a_calibration_from_frames_has_the_scale_of_the_vehicle_file(truck_file, drive, tmp_path):
+    _, path = drive
+    file = tmp_path / "truck.toml"
+    file.write_text(f"{truck_file.read_text()}[sensors.mass]\nvehicle_weight_sd = 0.15\n")
+    truck = cgheight.Vehicle.load(file).on_road("flat")
+    cgheight.calibrate(truck, [(path, 1.9)], tmp_path / "c.toml")
+    [run] = tomllib.loads((tmp_path / "c.toml").read_text())["run"]
+    assert run["trailer_mass_sd_kg"] == pytest.approx(0.15 * run["trailer_mass_kg"], rel=1e-6)
 
 
 @pytest.mark.parametrize("suffix", [".log", ".asc", ".blf", ".trc", ".mf4"])

@@ -52,11 +52,16 @@ impl Weighing {
         is_new
     }
 
-    /// Takes a change of the load that a maneuver from `start_us` on has revealed. Returns a message if the
-    /// mass from this source was weighed before it.
-    pub(crate) fn unload(&mut self, start_us: u64, source: MassSource) -> Option<&'static str> {
+    /// Takes a change of the load that a maneuver from `start_us` on has revealed, with the masses in the one before and in it, kg.
+    /// Returns a message if the mass from this source was weighed before it.
+    pub(crate) fn unload(
+        &mut self,
+        start_us: u64,
+        masses_kg: [f64; 2],
+        source: MassSource,
+    ) -> Option<&'static str> {
         let is_weighed = matches!(source, MassSource::Kept | MassSource::Signal);
-        (is_weighed && self.weighed.change_load(start_us)).then_some(
+        (is_weighed && self.weighed.change_load(start_us, masses_kg)).then_some(
             "the load changed, and no signal has given a trailer mass since: that of the load before is used, \
              and the interval contains any load; give --trailer-mass-kg or a signal of the mass",
         )
@@ -162,8 +167,8 @@ mod tests {
         ] {
             let mut weighing = Weighing { sd_kg: Some(70.0), ..Weighing::EXACT };
             weighing.weighed.weigh(1_000_000, [20e3; 2], 15.0);
-            assert!(weighing.unload(31_000_000, source).is_none());
-            assert_eq!(weighing.unload(31_000_001, source).is_some(), is_outdated);
+            assert!(weighing.unload(31_000_000, [20e3; 2], source).is_none());
+            assert_eq!(weighing.unload(31_000_001, [20e3; 2], source).is_some(), is_outdated);
             let sd_kg = weighing.sd_kg(source, 20e3, &design);
             let expected_kg = if is_outdated { design.any_load_sd_kg() } else { 70.0 };
             assert!((sd_kg - expected_kg).abs() < 1e-9, "{source:?}: {sd_kg}");

@@ -35,9 +35,11 @@ impl LogEstimator {
         self.windward.close(maneuver, is_first_of_load);
         self.left_out.close(maneuver, &self.engine, is_first_of_load);
         if is_first_of_load {
+            let before_kg = self.maneuvers.last().map_or(f64::NAN, |one| one.trailer_mass_kg);
             self.first_of_load = self.maneuvers.len();
             if self.seen.mass_kg.is_some() {
-                self.seen.weighed.change_load(maneuver.start_us);
+                let masses_kg = [before_kg, maneuver.trailer_mass_kg];
+                self.seen.weighed.change_load(maneuver.start_us, masses_kg);
             }
         }
         if self.maneuvers.len() >= MOST_MANEUVERS {

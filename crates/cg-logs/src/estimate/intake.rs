@@ -304,8 +304,9 @@ impl LogEstimator {
         if !mean.has_speed() {
             sample.speed_mps = f64::NAN;
         }
-        if let Some(masses_kg) = self.seen.to_weigh_kg.take() {
-            self.seen.weighed.weigh(last_us, masses_kg, sample.speed_mps);
+        // Its own time, because that of the sample after a gap may be in it.
+        if let Some((time_us, masses_kg)) = self.seen.to_weigh.take() {
+            self.seen.weighed.weigh(time_us, masses_kg, sample.speed_mps);
         }
         let step = self.engine.push_mean(&together); // not moved, because of the room for a maneuver in it
         let (sample, gravity_mps2) = (&sample, self.design.gravity_mps2);

@@ -152,11 +152,26 @@ impl LogEstimator {
 
     /// The end of the maneuver that revealed another load, s.
     pub(super) fn load_since_s(&self) -> Option<f64> {
-        Some(self.time_s(self.stop.load_since_us()?))
+        if self.became_known() { None } else { Some(self.time_s(self.stop.load_since_us()?)) }
     }
 
-    /// That the load has changed.
+    /// Whether the maneuvers before are those of another load only because no signal had given a mass then.
+    fn became_known(&self) -> bool {
+        let before = self.first_of_load.checked_sub(1).and_then(|last| self.maneuvers.get(last));
+        let (Some(before), Some(first)) = (before, self.of_load().first()) else { return false };
+        let had_none = self.seen.weighed.since_us().is_some_and(|us| before.start_us < us);
+        let is_of_log = self.options.trailer_mass_kg.is_none();
+        is_of_log && had_none && is_other_load(first.trailer_mass_kg, before.trailer_mass_kg)
+    }
+
+    /// That the load has changed, or that its mass became known.
     pub(super) fn changed(&self) -> Option<String> {
+        if self.became_known() {
+            let since_s = self.time_s(self.seen.weighed.since_us()?);
+            return Some(format!(
+                "the turns before {since_s:.0} s, without a trailer mass, are left out"
+            ));
+        }
         let since_s = self.load_since_s()?;
         let since_us = self.of_load().first().map_or(0, |one| one.start_us);
         let before = self.maneuvers.iter().rev().find(|one| one.end_us < since_us);

@@ -26,8 +26,8 @@ pub(super) struct SignalsSeen {
     pub(super) scale: Option<Scale>,
     /// The scale on the bus, if the rows are from frames.
     pub(super) bus_scale: Option<Scale>,
-    /// The masses of the last sample that are to be [weighed](Weighed::weigh).
-    pub(super) to_weigh_kg: Option<[f64; 2]>,
+    /// The time of the last sample with a mass, µs, and its masses that are to be [weighed](Weighed::weigh).
+    pub(super) to_weigh: Option<(u64, [f64; 2])>,
     pub(super) weighed: Weighed,
     /// The quantities that have arrived and are not used, in the order of [`Quantity::ALL`].
     pub(super) unscaled: [bool; Quantity::COUNT],
@@ -47,7 +47,10 @@ impl SignalsSeen {
     ) -> Sample<f64> {
         let mut sample = row.sample(time_us, settings);
         self.unscaled(row, &sample);
-        if row.trailer_mass_sd_kg >= 0.0 {
+        // A mass that no trailer can have is not used, but another scale is, of which this says nothing.
+        let is_of_row = sample.trailer_mass_kg.to_bits() == row.trailer_mass_kg.to_bits();
+        let is_used = is_of_row || row.trailer_mass_kg.is_nan();
+        if row.trailer_mass_sd_kg >= 0.0 && is_used {
             self.mass_sd_kg = Some(row.trailer_mass_sd_kg);
         }
         if sample.speed_mps.is_finite() {
@@ -65,7 +68,7 @@ impl SignalsSeen {
                 let (quantity, _) = row.weighed(settings)?;
                 Scale::in_log(quantity)
             });
-            self.to_weigh_kg = Some([logged_kg, sample.trailer_mass_kg]);
+            self.to_weigh = Some((time_us, [logged_kg, sample.trailer_mass_kg]));
         }
         if let Some(speed_mps) = options.speed_mps {
             sample.speed_mps = speed_mps;
@@ -216,6 +219,27 @@ mod tests {
         ] {
             assert!((mass_sd_kg(row, options) - sd_kg).abs() < 1e-9, "{row:?}");
         }
+    }
+
+    /// A mass of zero, which this trailer cannot have, leaves what is said of it to no other: the axle load counts, by its own scale.
+    #[test]
+    fn what_is_not_used_says_nothing_of_the_mass() {
+        let settings = AlignSettings {
+            mass_of_axle_load: Some([4000.0, 1.0]),
+            mass_range_kg: Some([5e3, 40e3]),
+            ..AlignSettings::NONE
+        };
+        let said_kg = |trailer_mass_kg: f64| {
+            let mut log = log_with(settings, EstimateOptions::default());
+            let row = LogRow { time_s: 0.0, trailer_mass_kg, ..LogRow::ABSENT };
+            let row = LogRow { trailer_mass_sd_kg: 300.0, trailer_axle_load_kg: 16e3, ..row };
+            log.push(&row).unwrap();
+            assert!((log.trailer_mass_kg / 20e3 - 1.0).abs() < 1e-9);
+            log.seen.mass_sd_kg
+        };
+        assert_eq!(said_kg(20e3), Some(300.0));
+        assert_eq!(said_kg(0.0), None);
+        assert_eq!(said_kg(f64::NAN), Some(300.0), "of what follows from the axle load");
     }
 
     #[test]

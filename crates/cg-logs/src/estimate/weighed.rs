@@ -159,11 +159,13 @@ impl Weighed {
             || !self.last_us.is_some_and(is_fresh)
     }
 
-    /// Takes a change of the load that a maneuver from `start_us` on, µs, has revealed. Returns whether
-    /// the mass was weighed before it.
-    pub fn change_load(&mut self, start_us: u64) -> bool {
+    /// Takes a change of the load that a maneuver from `start_us` on, µs, has revealed, with the masses, kg, in the one before, NaN
+    /// if there was none, and in this one. Returns whether the mass was weighed before it: one that has changed with the load was
+    /// not.
+    pub fn change_load(&mut self, start_us: u64, [before_kg, mass_kg]: [f64; 2]) -> bool {
         let is_old = |last_us: u64| last_us.saturating_add(NO_STOP_US) < start_us;
-        let outdated = self.last_us.is_none_or(is_old);
+        let is_new = is_other_load(mass_kg, before_kg);
+        let outdated = !is_new && self.last_us.is_none_or(is_old);
         self.of_another_load |= outdated;
         outdated
     }
@@ -191,9 +193,11 @@ mod tests {
         weighed.weigh(1_000_000, [20e3; 2], 15.0);
         let times_us = [999_999, 1_000_000, 121_000_000, 121_000_001];
         assert_eq!(times_us.map(|us| weighed.covers(us)), [false, true, true, false]);
-        assert!(!weighed.change_load(31_000_000));
+        let same_kg = [20.5e3, 20e3];
+        assert!(!weighed.change_load(31_000_000, same_kg));
+        assert!(!weighed.change_load(31_000_001, [25e3, 20e3]), "the new one");
         assert!(!weighed.is_of_another_load());
-        assert!(weighed.change_load(31_000_001));
+        assert!(weighed.change_load(31_000_001, same_kg));
         assert!(weighed.is_of_another_load() && !weighed.covers(1_000_001));
         weighed.weigh(2_000_000, [20e3; 2], 15.0);
         assert!(weighed.covers(1_000_001));
@@ -201,7 +205,7 @@ mod tests {
         // After a restart.
         assert!(Weighed::kept(true).is_of_another_load());
         let mut resumed = Weighed::kept(false);
-        assert!(resumed.change_load(0));
+        assert!(resumed.change_load(0, [f64::NAN, 20e3]));
     }
 
     /// At 10 Hz, a sine of 100 s, of which the mean over 5 s has 0.95. Noise hardly counts, and another load

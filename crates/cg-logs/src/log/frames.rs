@@ -129,7 +129,10 @@ impl FrameRows {
             row.speed_mps = f64::NAN;
         }
         // Whoever reads the row without the frames has nothing else that says how exact its mass is.
-        if let Some(scale) = self.scale.filter(|_| self.without_truck && self.hears_bus) {
+        // A device that knows no mass may send zero, which is none, and not an exact one.
+        let has_mass = row.trailer_mass_kg > 0.0;
+        let is_bare = self.without_truck && self.hears_bus && has_mass;
+        if let Some(scale) = self.scale.filter(|_| is_bare) {
             let sd_kg = scale.usual_sd_kg(row.trailer_mass_kg);
             row.trailer_mass_sd_kg = sd_kg.unwrap_or(f64::NAN);
         }

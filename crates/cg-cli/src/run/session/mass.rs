@@ -73,7 +73,9 @@ impl<W: Write> Session<W> {
     /// Says that the mass is that of the load before a turn with another load.
     pub(super) fn doubt_held_mass(&mut self, maneuver: &Maneuver<f64>) -> io::Result<()> {
         let (mass_kg, before_kg) = (maneuver.trailer_mass_kg, self.turn_kg);
-        if let Some(message) = self.weighing.unload(maneuver.start_us, self.mass_source) {
+        let masses_kg = [before_kg, mass_kg];
+        let outdated = self.weighing.unload(maneuver.start_us, masses_kg, self.mass_source);
+        if let Some(message) = outdated {
             self.notice("mass", message)
         } else if self.mass_source != MassSource::Nominal && is_held(mass_kg, before_kg) {
             let message = format!(
