@@ -4,6 +4,7 @@ use std::io::{self, Write};
 use std::time::{Duration, Instant};
 
 use nix::errno::Errno;
+use nix::time::{ClockId, clock_gettime};
 use sd_notify::NotifyState;
 
 use super::frames::Frames;
@@ -36,7 +37,8 @@ enum Link {
 struct Live<'a> {
     interface: &'a str,
     transmit_address: Option<u8>,
-    began: Instant,
+    /// The monotonic clock when the last frame was stamped, µs.
+    stamped_us: u64,
     link: Link,
     error: &'static str,
     /// Number of frames lost on closed sockets.
@@ -56,7 +58,7 @@ pub(crate) fn run<W: Write>(
     let mut live = Live {
         interface,
         transmit_address,
-        began: Instant::now(),
+        stamped_us: 0,
         link: Link::Up,
         error: "",
         lost_before: 0,
@@ -75,16 +77,24 @@ pub(crate) fn run<W: Write>(
     Ok("signal")
 }
 
+/// A clock that nobody sets and that goes on while the system sleeps, µs.
+fn monotonic_us() -> io::Result<u64> {
+    let since = Duration::from(clock_gettime(ClockId::CLOCK_BOOTTIME)?);
+    Ok(u64::try_from(since.as_micros()).unwrap_or(u64::MAX))
+}
+
+/// That clock when a frame was stamped, µs: when it is read, less the time for which it waited, by the wall clock, while this program
+/// wrote to a slow disk. If the wall clock was set meanwhile, the wait is wrong, but the frame before was stamped earlier.
+fn stamped_us(before_us: u64, read_us: u64, waited_us: u64) -> u64 {
+    read_us.saturating_sub(waited_us).max(before_us)
+}
+
 /// Notifies systemd. Without systemd this has no effect and is not an error.
 fn notify(states: &[NotifyState<'_>]) {
     let _ = sd_notify::notify(states);
 }
 
 impl Live<'_> {
-    fn monotonic_us(&self) -> u64 {
-        u64::try_from(self.began.elapsed().as_micros()).unwrap_or(u64::MAX)
-    }
-
     fn open<W: Write>(
         &mut self,
         frames: &Frames,
@@ -130,7 +140,7 @@ impl Live<'_> {
 
     fn idle<W: Write>(&mut self, frames: &mut Frames, session: &mut Session<W>) -> io::Result<()> {
         self.feed_watchdog();
-        frames.idle(wall::now_us(), self.monotonic_us(), session)
+        frames.idle(wall::now_us(), monotonic_us()?, session)
     }
 
     fn feed_watchdog(&mut self) {
@@ -193,7 +203,9 @@ impl Live<'_> {
                     self.link = Link::Up;
                     session.notice("interface", &format!("{}: up again", self.interface))?;
                 }
-                frames.take(frame, Some(self.monotonic_us()), session)?;
+                let waited_us = wall::now_us().saturating_sub(frame.time_us);
+                self.stamped_us = stamped_us(self.stamped_us, monotonic_us()?, waited_us);
+                frames.take(frame, Some(self.stamped_us), session)?;
                 session.outputs.latency.push(wall::now_us().saturating_sub(frame.time_us));
             }
             Received::Error(words) => {
@@ -206,5 +218,57 @@ impl Live<'_> {
             Received::Nothing => {}
         }
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use cg_logs::can::Clock;
+
+    const HOUR_US: u64 = 3_600_000_000;
+
+    /// The steps of the stream and the jumps of frames with a time stamp, a time at which they are read, and what the wall clock
+    /// shows then.
+    fn steps(frames: &[[u64; 3]]) -> Vec<(u64, i64)> {
+        let (mut clock, mut at_us, mut before_us) = (Clock::default(), 0, None);
+        let mut steps = Vec::new();
+        for [stamp_us, read_us, wall_us] in frames {
+            at_us = stamped_us(at_us, *read_us, wall_us.saturating_sub(*stamp_us));
+            let instant = clock.stream(*stamp_us, Some(at_us));
+            let before_us = before_us.replace(instant.stream_us).unwrap_or(instant.stream_us);
+            steps.push((instant.stream_us - before_us, instant.jump_us));
+        }
+        steps
+    }
+
+    /// A disk that takes 1.2 s to write: the frames that waited are as far apart as they were on the bus.
+    #[test]
+    fn a_program_that_stalls_is_no_jump_of_the_clock() {
+        let (wall, read) = (HOUR_US, 7 * HOUR_US);
+        let frames = [
+            [wall, read, wall],
+            [wall + 10_000, read + 1_200_000, wall + 1_200_000],
+            [wall + 20_000, read + 1_200_010, wall + 1_200_010],
+            [wall + 1_210_000, read + 1_210_000, wall + 1_210_000],
+        ];
+        let expected = [(0, 0), (10_000, 0), (10_000, 0), (1_190_000, 0)];
+        assert_eq!(steps(&frames), expected);
+    }
+
+    /// The clock is set an hour ahead while two frames wait: the one that comes after it has jumped.
+    #[test]
+    fn a_clock_that_is_set_in_a_stall_has_jumped() {
+        let (wall, read) = (HOUR_US, 7 * HOUR_US);
+        let frames = [
+            [wall, read, wall],
+            [wall + 10_000, read + 300_000, wall + HOUR_US + 300_000],
+            [wall + 20_000, read + 300_010, wall + HOUR_US + 300_010],
+            [wall + HOUR_US + 310_000, read + 310_000, wall + HOUR_US + 310_000],
+        ];
+        let found = steps(&frames);
+        assert_eq!(found[..3], [(0, 0), (10_000, 0), (10_000, 0)]);
+        // What the frames waited is not known, so the stream goes on by up to that more.
+        assert_eq!(found[3], (310_000, i64::try_from(HOUR_US).unwrap() - 20_000));
     }
 }
