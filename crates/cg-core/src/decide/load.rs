@@ -2,7 +2,8 @@
 //!
 //! Maneuvers are fused as long as the load is the same. The load has changed
 //!
-//! * if the mass of the trailer has changed;
+//! * if the mass of the trailer has changed since the last turn, or since the first one of the load if the truck has stopped, where it
+//!   may be unloaded little by little;
 //! * after a stop, if the next maneuver contradicts the height so far;
 //! * while driving (cargo that shifts), if two successive maneuvers contradict the height so far
 //!   but agree with each other. The first of the two is kept until the second one.
@@ -53,6 +54,8 @@ pub(crate) enum Verdict<T, const C: usize> {
 )]
 pub(crate) struct LoadWatch<T, const C: usize> {
     mass_kg: Option<T>,
+    /// That of the first maneuver of the load.
+    first_kg: Option<T>,
     mass_change: T,
     last_us: Option<u64>,
     standing_us: u64,
@@ -66,6 +69,7 @@ impl<T: Real, const C: usize> LoadWatch<T, C> {
     pub(crate) fn new(mass_change: T) -> Self {
         Self {
             mass_kg: None,
+            first_kg: None,
             mass_change,
             last_us: None,
             standing_us: 0,
@@ -80,7 +84,7 @@ impl<T: Real, const C: usize> LoadWatch<T, C> {
         mass_kg: Option<T>,
         waiting: Option<[Said<T>; C]>,
     ) -> Self {
-        Self { mass_kg, waiting, stopped: true, ..Self::new(mass_change) }
+        Self { mass_kg, first_kg: mass_kg, waiting, stopped: true, ..Self::new(mass_change) }
     }
 
     /// The trailer mass of the last maneuver.
@@ -114,10 +118,23 @@ impl<T: Real, const C: usize> LoadWatch<T, C> {
         said: [Said<T>; C],
         fused: [Option<Height<T>>; C],
     ) -> Verdict<T, C> {
-        let before_kg = self.mass_kg.replace(mass_kg);
-        let weighed =
-            before_kg.is_some_and(|before| (mass_kg - before).abs() > self.mass_change * before);
-        if weighed {
+        let verdict = self.verdict(mass_kg, said, fused);
+        self.mass_kg = Some(mass_kg);
+        if self.first_kg.is_none() || matches!(verdict, Verdict::Changed { .. }) {
+            self.first_kg = Some(mass_kg);
+        }
+        verdict
+    }
+
+    fn verdict(
+        &mut self,
+        mass_kg: T,
+        said: [Said<T>; C],
+        fused: [Option<Height<T>>; C],
+    ) -> Verdict<T, C> {
+        let is_other = |before: T| (mass_kg - before).abs() > self.mass_change * before;
+        let since_first = self.first_kg.filter(|_| self.stopped);
+        if self.mass_kg.is_some_and(is_other) || since_first.is_some_and(is_other) {
             (self.stopped, self.waiting) = (false, None);
             return Verdict::Changed { waited: [None; C] };
         }
@@ -220,6 +237,27 @@ mod tests {
         assert_eq!(watch.judge(3.1e4, said(2.0), fused(2.0)), Verdict::Same);
         let changed = Verdict::Changed { waited: [None; 2] };
         assert_eq!(watch.judge(3.4e4, said(2.0), fused(2.0)), changed);
+    }
+
+    /// Each stop takes 4 %, which is no other load by itself; while the truck drives, so slow a change is that of the scale.
+    #[test]
+    fn a_load_that_goes_little_by_little_is_another_one() {
+        for (stops, expected) in
+            [(true, [false, false, true, false, true, false]), (false, [false; 6])]
+        {
+            let mut watch = LoadWatch::new(0.05);
+            let mut mass_kg = 28e3;
+            let changes = [1, 2, 3, 4, 5, 6].map(|k: u64| {
+                if stops {
+                    watch.drive(k * 100_000_000, 15.0);
+                }
+                let verdict = watch.judge(mass_kg, said(2.0), fused(2.0));
+                mass_kg *= 0.96;
+                verdict != Verdict::Same
+            });
+            assert_eq!(changes, expected);
+            assert!(watch.mass_kg().unwrap() > mass_kg);
+        }
     }
 
     /// Noise of 0.02 and 0.005 m and 0.3 of 0.05 m give 0.0255 m. A contradiction is 4 times that

@@ -196,7 +196,7 @@ impl LogEstimator {
             ));
         }
         let sd_kg = self.mass_sd_kg(mass_kg);
-        (sd_kg > 0.0).then(|| {
+        (sd_kg >= 0.5).then(|| {
             format!(
                 "the trailer mass of {mass_kg:.0} kg is from {}; its standard deviation of {sd_kg:.0} kg \
                  is part of the interval",
