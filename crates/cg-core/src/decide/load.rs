@@ -171,14 +171,18 @@ fn contradicts<T: Real>(said: &[Said<T>], fused: &[Option<Height<T>>], limit: T)
     })
 }
 
-/// Whether two maneuvers agree in every channel in which both have a height.
+/// Whether two maneuvers agree in every channel in which both have a height, of which there is one.
 fn agree<T: Real>(one: &[Said<T>], other: &[Said<T>]) -> bool {
-    one.iter().zip(other).all(|pair| match pair {
-        (Some((height, systematic)), Some((other, _))) => {
-            !far(*height, other.value, other.sd, *systematic, T::of(CONTRADICTION))
+    let mut both = false;
+    for pair in one.iter().zip(other) {
+        if let (Some((height, systematic)), Some((other, _))) = pair {
+            both = true;
+            if far(*height, other.value, other.sd, *systematic, T::of(CONTRADICTION)) {
+                return false;
+            }
         }
-        _ => true,
-    })
+    }
+    both
 }
 
 fn far<T: Real>(height: Measured<T>, other_m: T, other_sd_m: T, systematic_m: T, limit: T) -> bool {
@@ -292,6 +296,19 @@ mod tests {
             assert_eq!(verdict != Verdict::Wait, agree, "{deviations}");
             assert_eq!(watch.waiting().is_none(), agree);
         }
+    }
+
+    /// Each contradicts the height of its own channel, which two wrong sensors do, too.
+    #[test]
+    fn two_maneuvers_with_no_channel_in_common_do_not_agree() {
+        let [_, height] = said(2.5);
+        let [_, so_far] = fused(2.0);
+        let mut watch = LoadWatch::new(0.05);
+        assert_eq!(watch.judge(3e4, [height, None], [so_far; 2]), Verdict::Wait);
+        assert_eq!(watch.judge(3e4, [None, height], [so_far; 2]), Verdict::Wait);
+        assert_eq!(watch.waiting(), Some([None, height]));
+        let changed = Verdict::Changed { waited: [None, height] };
+        assert_eq!(watch.judge(3e4, [height, height], [so_far; 2]), changed);
     }
 
     #[test]

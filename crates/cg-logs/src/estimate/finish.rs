@@ -134,11 +134,14 @@ impl LogEstimator {
     fn best_maneuver(&self, channel: Channel) -> Option<Maneuver<f64>> {
         let noise_m =
             |maneuver: &Maneuver<f64>| Some(maneuver.outcomes[channel.index()].height_m.ok()?.sd);
-        self.of_load()
-            .iter()
-            .filter_map(|maneuver| Some((maneuver, noise_m(maneuver)?)))
-            .min_by(|a, b| a.1.total_cmp(&b.1))
-            .map(|(maneuver, _)| *maneuver)
+        let best = |all: &[Maneuver<f64>]| {
+            all.iter()
+                .filter_map(|maneuver| Some((*maneuver, noise_m(maneuver)?)))
+                .min_by(|a, b| a.1.total_cmp(&b.1))
+        };
+        // Several turns since a stop can show another load together, and only the last of them counts as its first.
+        let found = best(self.of_load()).or_else(|| best(&self.maneuvers));
+        found.map(|(maneuver, _)| maneuver)
     }
 
     /// The result with height, ratio, speed and rollover threshold.
