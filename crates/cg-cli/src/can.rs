@@ -24,7 +24,7 @@ pub(crate) struct CanArgs {
     /// follow, as in `roll=TILT.Angle[deg]*-1+0.3`; may be repeated
     #[arg(long, value_name = "QUANTITY=MESSAGE.SIGNAL", requires = "dbc")]
     signal: Vec<SignalMap>,
-    /// Accept a J1939 quantity from one source address only, such as `roll=0xE4`; may be repeated
+    /// Accept a quantity from one source address only, such as `roll=0xE4`; may be repeated
     #[arg(long, value_name = "QUANTITY=ADDRESS")]
     source_of: Vec<DeviceFilter>,
     /// Whether a J1939 slope sensor (SSI, SSI2) compensates its angle for the vehicle's

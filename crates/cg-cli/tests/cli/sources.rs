@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 
-use crate::common::{cg, estimate};
+use crate::common::{cg, estimate, fixture};
 use crate::run::{drive, events, lines};
 
 /// The messages of the notices with a subject.
@@ -44,6 +44,21 @@ fn an_address_that_nobody_sends_is_told_and_its_signal_is_missing() {
     let right = lines(&drive.replay(&drive.candump, &["--source-of", "roll=0xE4"]).done());
     assert!(told(&right, "roll").is_empty());
     assert_eq!(events(&right, "status").last().unwrap()["values_of_other_sources"], 0);
+}
+
+/// The address counts for a signal of a DBC file, too.
+#[test]
+fn a_mapped_signal_of_an_address_that_nobody_sends_is_told() {
+    let drive = drive();
+    let dbc = fixture("can/j1939.dbc");
+    let map = ["--dbc", &dbc, "--signal", "roll_to_gravity=SSI2.RollAngle", "--source-of"];
+    let found =
+        lines(&drive.replay(&drive.candump, &[&map[..], &["roll=0x99"]].concat()).told(1, &[]));
+    let notices = told(&found, "roll");
+    assert!(notices[0].contains("those of 0xE4 are not used"), "{notices:?}");
+    let status = *events(&found, "status").last().unwrap();
+    assert!(status["missing"].as_array().unwrap().contains(&"roll".into()), "{status}");
+    drive.replay(&drive.candump, &[&map[..], &["roll=0xE4"]].concat()).done();
 }
 
 /// A log of two seconds ends before the devices have had their time.

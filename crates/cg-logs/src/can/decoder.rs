@@ -4,7 +4,7 @@ use cg_core::Quantity;
 use cg_core::signal::j1939::{self, Compensation, Slope};
 
 use super::dbc::{Mapped, MappedSignal, RANK};
-use super::device_filter::DeviceFilter;
+use super::device_filter::{DeviceFilter, siblings};
 use super::frame::Frame;
 
 /// A number that identifies the sending device, and the rank of its signal, for
@@ -13,6 +13,8 @@ pub type Device = (u32, u8);
 
 /// Bit that marks an 11-bit identifier in device numbers.
 pub(super) const STANDARD: u32 = 0x8000_0000;
+/// The five bits of the bus in device numbers.
+pub(super) const BUS: u32 = 0x7C00_0000;
 const WITHOUT_PRIORITY: u32 = 0x03FF_FFFF;
 
 /// What the lateral acceleration of VDC2 (SPN 1809) is.
@@ -82,15 +84,14 @@ impl Decoder {
         let number = frame.identifier & WITHOUT_PRIORITY | kind | bus_bits(frame.bus);
         for signal in self.mapped.iter().filter(|signal| signal.is_of(frame)) {
             let Mapped::Quantity(quantity) = signal.measures else { continue };
-            if let Some(value) = signal.decode(frame) {
+            if let Some(value) = signal.decode(frame).filter(|_| self.accepts(quantity, frame)) {
                 found(quantity, (number, RANK), sign(self.flipped.contains(&quantity)) * value);
             }
         }
         if !frame.extended {
             return None;
         }
-        let listens =
-            |quantity| !self.is_replaced(quantity) && self.accepts(quantity, frame.identifier);
+        let listens = |quantity| !self.is_replaced(quantity) && self.accepts(quantity, frame);
         j1939::decode(
             frame.identifier,
             frame.data(),
@@ -125,13 +126,19 @@ impl Decoder {
         if self.filters.is_empty() || !frame.extended {
             return;
         }
-        let address = frame.identifier.to_le_bytes()[0];
+        let mut refuse = |quantity| {
+            if !self.accepts(quantity, frame) {
+                found(quantity, address_of(frame));
+            }
+        };
+        let mapped =
+            self.mapped.iter().filter(|one| one.is_of(frame) && one.decode(frame).is_some());
+        mapped.filter_map(|signal| signal.measures.quantity()).for_each(&mut refuse);
         let found = |quantity, _, _: f64| {
             let is_mapped = self.reads(quantity, frame);
             let quantity = self.meant(quantity);
-            let is_wanted = !is_mapped && !self.is_replaced(quantity);
-            if is_wanted && !self.accepts(quantity, frame.identifier) {
-                found(quantity, address);
+            if !is_mapped && !self.is_replaced(quantity) {
+                refuse(quantity);
             }
         };
         j1939::decode(frame.identifier, frame.data(), self.compensation, found);
@@ -210,12 +217,13 @@ impl Decoder {
         self.mapped().any(|mapped| replacing.contains(&mapped))
     }
 
-    fn accepts(&self, quantity: Quantity, identifier: u32) -> bool {
-        let source = identifier & 0xFF;
-        let mut filters =
-            self.filters.iter().filter(|filter| siblings(quantity).contains(&filter.quantity()));
-        filters.clone().next().is_none()
-            || filters.any(|filter| u32::from(filter.address()) == source)
+    /// Whether a quantity is accepted from the source address of a frame. Frames with 11-bit identifiers have none.
+    fn accepts(&self, quantity: Quantity, frame: &Frame) -> bool {
+        let is_of = |filter: &&DeviceFilter| siblings(quantity).contains(&filter.quantity());
+        let mut filters = self.filters.iter().filter(is_of).peekable();
+        !frame.extended
+            || filters.peek().is_none()
+            || filters.any(|filter| filter.address() == address_of(frame))
     }
 
     /// Identifier, whether it has 29 bits, and mask of all frames with usable values, for a kernel
@@ -235,17 +243,9 @@ impl Decoder {
     }
 }
 
-/// The quantities of which one sensor measures one or the other.
-pub(super) const fn siblings(quantity: Quantity) -> &'static [Quantity] {
-    const ALL: &[Quantity] = &Quantity::ALL;
-    match quantity {
-        Quantity::Roll | Quantity::RollToGravity | Quantity::Tilt => {
-            &[Quantity::Roll, Quantity::RollToGravity, Quantity::Tilt]
-        }
-        Quantity::Steer | Quantity::SteeringWheel => &[Quantity::Steer, Quantity::SteeringWheel],
-        // The slice that contains only this quantity.
-        _ => ALL.split_at(quantity.index()).1.split_at(1).0,
-    }
+/// The source address in a 29-bit identifier.
+const fn address_of(frame: &Frame) -> u8 {
+    frame.identifier.to_le_bytes()[0]
 }
 
 const fn sign(flipped: bool) -> f64 {
@@ -255,7 +255,7 @@ const fn sign(flipped: bool) -> f64 {
 /// The bus number in five bits that no identifier uses, so that devices on different buses have
 /// different numbers.
 const fn bus_bits(bus: u8) -> u32 {
-    (bus as u32 & 0x1F) << 26
+    (bus as u32) << BUS.trailing_zeros() & BUS
 }
 
 #[cfg(test)]

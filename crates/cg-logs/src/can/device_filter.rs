@@ -47,3 +47,16 @@ impl FromStr for DeviceFilter {
         Ok(Self { quantity, address })
     }
 }
+
+/// The quantities of which one sensor measures one or the other.
+pub(super) const fn siblings(quantity: Quantity) -> &'static [Quantity] {
+    const ALL: &[Quantity] = &Quantity::ALL;
+    match quantity {
+        Quantity::Roll | Quantity::RollToGravity | Quantity::Tilt => {
+            &[Quantity::Roll, Quantity::RollToGravity, Quantity::Tilt]
+        }
+        Quantity::Steer | Quantity::SteeringWheel => &[Quantity::Steer, Quantity::SteeringWheel],
+        // The slice that contains only this quantity.
+        _ => ALL.split_at(quantity.index()).1.split_at(1).0,
+    }
+}

@@ -243,6 +243,9 @@ BO_ 512 STATE: 8 TRAILER
  SG_ LiftAxle : 0|8@1+ (1,0) [0|1] "" Vector__XXX
  SG_ AxleLoad : 8|16@1+ (1,0) [0|0] "kg" Vector__XXX
  SG_ Roll : 24|16@1- (0.001,0) [0|0] "deg" Vector__XXX
+
+BO_ 2566851100 SLOPE: 8 TRAILER
+ SG_ Angle : 0|16@1- (0.01,0) [-90|90] "deg" Vector__XXX
 "#;
 
     /// On two of three axles, 10 t of axle load are another trailer mass than on three.
@@ -273,5 +276,40 @@ BO_ 512 STATE: 8 TRAILER
         sampler.take_lift_axle();
         sampler.push(&heard, None, |_| {});
         assert!(sampler.take_lift_axle() > 0.9 && sampler.take_lift_axle().is_nan());
+    }
+    /// Two senders of a mapped group, of which one is accepted. Frames with 11-bit identifiers have no address.
+    #[test]
+    fn a_mapped_signal_comes_from_the_accepted_address_only() {
+        let sampler = |map: &str, filter: &str| {
+            let mapped = MappedSignal::parse("slope.dbc", DBC, &[map.parse().unwrap()]).unwrap();
+            let decoder = Decoder::new(mapped, vec![filter.parse().unwrap()], Vec::new());
+            let mut sampler = Sampler::new(decoder, AlignSettings::NONE);
+            for k in 0..4 {
+                for (identifier, angle) in [(0x18FF_0A55, 100), (0x18FF_0A56, 200), (512, 30)] {
+                    let data = [angle, 0, 0, angle, 0, 0, 0, 0];
+                    let extended = identifier != 512;
+                    let time_us = k * 1_000_000;
+                    let frame = Frame::new(time_us, identifier, extended, &data).unwrap();
+                    sampler.push(&frame, None, |_| {});
+                }
+            }
+            sampler
+        };
+        // The siblings of a quantity have one address.
+        for filter in ["roll=0x56", "tilt=0x56"] {
+            let mut right = sampler("roll=SLOPE.Angle", filter);
+            let angle = right.value(Quantity::Roll, right.now_us()).to_degrees();
+            assert!((angle - 2.0).abs() < 1e-9, "{angle}");
+            assert_eq!(right.values_of_other_sources(), 4);
+            assert!(right.unheard().is_empty() && right.news().is_empty());
+        }
+        let mut wrong = sampler("roll=SLOPE.Angle", "roll=0x99");
+        assert!(wrong.value(Quantity::Roll, wrong.now_us()).is_nan());
+        assert_eq!((wrong.values_of_other_sources(), wrong.unheard()), (8, vec![Quantity::Roll]));
+        let news = wrong.news();
+        assert!(news[0].1.contains("those of 0x55, 0x56 are not used"), "{news:?}");
+        let short = sampler("roll=STATE.Roll", "roll=0x99");
+        assert!(short.value(Quantity::Roll, short.now_us()).is_finite());
+        assert!(short.unheard().is_empty());
     }
 }

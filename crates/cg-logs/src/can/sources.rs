@@ -4,8 +4,8 @@ use std::collections::BTreeSet;
 
 use cg_core::Quantity;
 
-use super::decoder::{Device, STANDARD, siblings};
-use super::device_filter::DeviceFilter;
+use super::decoder::{BUS, Device, STANDARD};
+use super::device_filter::{DeviceFilter, siblings};
 
 /// Time after the first frame within which a device should have sent a value, µs (a mass is sent once a second).
 const BEGUN_US: u64 = 3_000_000;
@@ -69,8 +69,8 @@ impl Sources {
             return;
         }
         let before = std::mem::replace(known, device);
-        let is_preferred = device.1 < before.1;
-        if !is_preferred && !self.changed.iter().any(|(changed, _)| *changed == quantity) {
+        let is_another = source(device) != source(before) && device.1 >= before.1;
+        if is_another && !self.changed.iter().any(|(changed, _)| *changed == quantity) {
             self.changed.push((quantity, [before, device]));
         }
     }
@@ -114,16 +114,31 @@ impl Sources {
     }
 }
 
+/// What sends as a device: an address on a bus, which may send several groups, or a frame with an 11-bit identifier.
+const fn source((number, _): Device) -> u32 {
+    if number & STANDARD == 0 { number & (BUS | 0xFF) } else { number }
+}
+
 /// What is said of a quantity that came from another device when the first one paused.
 fn change(quantity: Quantity, devices: &[Device; 2]) -> (&'static str, String) {
     let name = quantity.name();
     let [before, now] = devices.map(|(number, _)| match number & STANDARD {
         0 => format!("0x{:02X}", number & 0xFF),
-        _ => format!("the frame 0x{:X}", number & !STANDARD),
+        _ => format!("the frame 0x{:X}", number & !(STANDARD | BUS)),
     });
+    let [(first, _), (second, _)] = devices;
+    let is_of_other_bus = (first ^ second) & BUS != 0;
+    let bus = if is_of_other_bus { " on another bus" } else { "" };
+    let remedy = if is_of_other_bus {
+        "select one bus with ⟨bus NAME⟩".to_owned()
+    } else if (first | second) & STANDARD == 0 {
+        format!("accept one source with ⟨source_of {name}=ADDRESS⟩")
+    } else {
+        "map one of the two signals only".to_owned()
+    };
     let sentence = format!(
-        "{before} paused, and the values come from {now} since: if both do not measure alike, the heights are wrong, which \
-         their intervals do not contain; accept one source with ⟨source_of {name}=ADDRESS⟩"
+        "{before} paused, and the values come from {now}{bus} since: if both do not measure alike, the heights are \
+         wrong, which their intervals do not contain; {remedy}"
     );
     (name, sentence)
 }
@@ -186,7 +201,21 @@ mod tests {
         assert_eq!(told.iter().map(|(name, _)| *name).collect::<Vec<_>>(), ["roll", "yaw_rate"]);
         assert!(told[0].1.starts_with("0xE4 paused, and the values come from 0xE5"), "{told:?}");
         assert!(told[1].1.starts_with("the frame 0x123 paused"), "{told:?}");
+        assert!(told[1].1.ends_with("map one of the two signals only"), "{told:?}");
         assert!(sources.news().is_empty());
         assert_eq!(sources.remarks(), told);
+    }
+    /// SSI2 and SSI of one sensor; then the same address on another bus.
+    #[test]
+    fn one_address_with_two_groups_is_one_device() {
+        let mut sources = Sources::new(&[]);
+        for (group, rank) in [(0x00F0_29E4, 0), (0x00F0_13E4, 1), (0x00F0_29E4, 0)] {
+            sources.used(Quantity::Roll, (group, rank));
+        }
+        assert_eq!(sources.news(), []);
+        sources.used(Quantity::Roll, (0x04F0_29E4, 0));
+        let told = sources.news();
+        let begin = "0xE4 paused, and the values come from 0xE4 on another bus since";
+        assert!(told[0].1.starts_with(begin) && told[0].1.ends_with("⟨bus NAME⟩"), "{told:?}");
     }
 }
