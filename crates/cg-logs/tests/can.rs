@@ -126,6 +126,32 @@ proptest! {
     }
 }
 
+/// What is said of one quantity of a sensor holds for the mapped signal of another one, as it does for J1939's.
+#[test]
+fn the_sign_of_a_sibling_is_that_of_a_mapped_signal() {
+    use Quantity::{Roll, RollToGravity, Speed, Steer, SteeringWheel, Tilt};
+    let value = |signal: &str, quantity, flipped: &[Quantity]| {
+        let decoder = Decoder::new(vec![mapped(signal, quantity)], Vec::new(), flipped.to_vec());
+        let pgn = NAMES.iter().find(|(name, ..)| *name == signal).unwrap().2;
+        let frame = Frame::new(0, 0x0C00_0000 | pgn << 8, true, &[0x70; 8]).unwrap();
+        let mut found = Vec::new();
+        decoder.decode(&frame, |of, _, value| found.extend((of == quantity).then_some(value)));
+        found[0]
+    };
+    for (signal, quantity, siblings) in [
+        ("SSI2.RollAngle", RollToGravity, &[Roll, RollToGravity, Tilt][..]),
+        ("SSI2.RollAngle", Tilt, &[Roll]),
+        ("VDC2.SteeringWheelAngle", SteeringWheel, &[Steer]),
+    ] {
+        let upright = value(signal, quantity, &[Speed]);
+        assert!(upright.abs() > 1e-3, "{signal} {upright}");
+        for flipped in siblings {
+            let turned = value(signal, quantity, &[*flipped]);
+            assert!((upright + turned).abs() < 1e-12, "{signal} {flipped}: {upright} {turned}");
+        }
+    }
+}
+
 #[cfg(unix)]
 #[test]
 fn an_endless_dbc_file_is_refused_at_once() {

@@ -85,7 +85,7 @@ impl Decoder {
         for signal in self.mapped.iter().filter(|signal| signal.is_of(frame)) {
             let Mapped::Quantity(quantity) = signal.measures else { continue };
             if let Some(value) = signal.decode(frame).filter(|_| self.accepts(quantity, frame)) {
-                found(quantity, (number, RANK), sign(self.flipped.contains(&quantity)) * value);
+                found(quantity, (number, RANK), self.sign(quantity) * value);
             }
         }
         if !frame.extended {
@@ -100,9 +100,8 @@ impl Decoder {
                 let is_mapped = self.reads(quantity, frame);
                 let quantity = self.meant(quantity);
                 if listens(quantity) && !is_mapped {
-                    let flipped = siblings(quantity).iter().any(|one| self.flipped.contains(one));
                     let value: f64 = value;
-                    found(quantity, (number, rank), sign(flipped) * value);
+                    found(quantity, (number, rank), self.sign(quantity) * value);
                 }
             },
         );
@@ -217,6 +216,12 @@ impl Decoder {
         self.mapped().any(|mapped| replacing.contains(&mapped))
     }
 
+    /// The sign of a quantity: −1 if it, or another one that the same sensor measures, is flipped.
+    fn sign(&self, quantity: Quantity) -> f64 {
+        let is_flipped = siblings(quantity).iter().any(|one| self.flipped.contains(one));
+        if is_flipped { -1.0 } else { 1.0 }
+    }
+
     /// Whether a quantity is accepted from the source address of a frame. Frames with 11-bit identifiers have none.
     fn accepts(&self, quantity: Quantity, frame: &Frame) -> bool {
         let is_of = |filter: &&DeviceFilter| siblings(quantity).contains(&filter.quantity());
@@ -246,10 +251,6 @@ impl Decoder {
 /// The source address in a 29-bit identifier.
 const fn address_of(frame: &Frame) -> u8 {
     frame.identifier.to_le_bytes()[0]
-}
-
-const fn sign(flipped: bool) -> f64 {
-    if flipped { -1.0 } else { 1.0 }
 }
 
 /// The bus number in five bits that no identifier uses, so that devices on different buses have
