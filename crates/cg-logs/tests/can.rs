@@ -152,6 +152,27 @@ fn the_sign_of_a_sibling_is_that_of_a_mapped_signal() {
     }
 }
 
+/// In J1939 all bits of a field are set if there is no value, but one bit has two values only.
+#[test]
+fn a_field_of_one_bit_has_both_values() {
+    const AXLE: &str = r#"VERSION ""
+
+BU_: TRAILER
+
+BO_ 2566851100 AXLE: 8 TRAILER
+ SG_ One : 0|1@1+ (1,0) [0|1] "" Vector__XXX
+ SG_ Two : 4|2@1+ (1,0) [0|3] "" Vector__XXX
+"#;
+    let read = |signal: &str, byte: u8| {
+        let map: SignalMap = format!("lift_axle=AXLE.{signal}").parse().unwrap();
+        let mapped = MappedSignal::parse("axle.dbc", AXLE, &[map]).unwrap();
+        let frame = Frame::new(0, 0x18FF_0A55, true, &[byte]).unwrap();
+        Decoder::new(mapped, Vec::new(), Vec::new()).lift_axle(&frame)
+    };
+    assert_eq!([0x00, 0x01, 0xFF].map(|byte| read("One", byte)), [Some(0.0), Some(1.0), Some(1.0)]);
+    assert_eq!([0x00, 0x10, 0x30].map(|byte| read("Two", byte)), [Some(0.0), Some(1.0), None]);
+}
+
 #[cfg(unix)]
 #[test]
 fn an_endless_dbc_file_is_refused_at_once() {

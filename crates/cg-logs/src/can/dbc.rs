@@ -236,9 +236,11 @@ impl MappedSignal {
     pub fn decode(&self, frame: &Frame) -> Option<f64> {
         let raw = self.raw(frame.data())?;
         let all = u64::MAX >> (64 - self.bits);
-        // In J1939, values whose highest byte is above 0xFA are not available.
+        // In J1939, values whose highest byte is above 0xFA are not available, nor those with all bits set. One bit has no
+        // value to spare for this.
         let reserved = self.bits >= 8 && raw >> (self.bits - 8) > 0xFA;
-        if self.extended && !self.signed && (raw == all || reserved) {
+        let is_absent = self.bits > 1 && raw == all;
+        if self.extended && !self.signed && (is_absent || reserved) {
             return None;
         }
         #[allow(clippy::cast_precision_loss, clippy::cast_possible_wrap)]
