@@ -122,7 +122,11 @@ fn report_target(
     logs: &[PathBuf],
     files: Files,
 ) -> anyhow::Result<Option<Target>> {
-    let mut files = arguments.truck.read(files).reads_some("--truth", arguments.truth.as_deref());
+    let mut files = arguments
+        .truck
+        .read(files)
+        .reads_some("--truth", arguments.truth.as_deref())
+        .reads_some("--dbc", arguments.frames.dbc.as_deref());
     for log in logs {
         files = files.reads("LOG", log);
     }

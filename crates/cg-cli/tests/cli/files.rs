@@ -56,6 +56,10 @@ fn no_output_replaces_an_input_of_the_same_call_even_if_forced() {
     inputs.clash(&[&estimate[..], &["--report", v]].concat(), ["--vehicle", "--report"]);
     let truth = ["--truth", &inputs.other, "--report", &inputs.other];
     inputs.clash(&[&estimate[..], &truth].concat(), ["--truth", "--report"]);
+    let dbc = inputs.scratch.file("my.dbc", fs::read(fixture("can/j1939.dbc")).unwrap());
+    let signal = ["--dbc", &dbc, "--signal", "roll=SSI2.RollAngle", "--report", &dbc];
+    inputs.clash(&[&estimate[..], &signal].concat(), ["--dbc", "--report"]);
+    assert_eq!(fs::read(&dbc).unwrap(), fs::read(fixture("can/j1939.dbc")).unwrap());
     let calibrate = ["calibrate", "--vehicle", v, "--run", &run, "-o", v];
     inputs.clash(&calibrate, ["--vehicle", "--output"]);
     inputs.clash(&["design", "--vehicle", v, "--emit", "c", "-o", v], ["--vehicle", "--output"]);
