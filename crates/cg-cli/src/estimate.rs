@@ -18,7 +18,7 @@ use crate::args::ColumnArgs;
 use crate::can::CanArgs;
 use crate::cli::EstimateArgs;
 use crate::flags;
-use crate::outcome::{Outcome, error_message, print_error};
+use crate::outcome::{Outcome, error_message, print_error, unless_closed};
 use crate::sink;
 use crate::truth::Truth;
 
@@ -70,10 +70,15 @@ pub(crate) fn run(arguments: &EstimateArgs, files: Files) -> anyhow::Result<Outc
 
     let Batch { answers, unreadable, outcome } = gathered(&logs, results, truth.as_ref());
     let page = match &target {
-        Some(target) => target.write(&page(arguments, &vehicle.name, &answers, &unreadable)?)?,
+        Some(target) => {
+            let page = page(arguments, &vehicle.name, &answers, &unreadable)?;
+            // It may be written to standard output (`/dev/stdout`).
+            unless_closed(target.write(&page).map_err(Into::into))?.flatten()
+        }
         None => None,
     };
-    sink::write(arguments.format, &answers).context("standard output: cannot be written")?;
+    let printed = sink::write(arguments.format, &answers);
+    unless_closed(printed.context("standard output: cannot be written"))?;
     page.map_or(Ok(()), Draft::publish)?;
     Ok(outcome)
 }

@@ -60,7 +60,7 @@ use cg_output::Files;
 use clap::Parser;
 
 use cli::{Cli, Command};
-use outcome::{Outcome, print_error};
+use outcome::{Outcome, is_closed_pipe, print_error};
 
 fn main() -> ExitCode {
     // The shells of Windows leave wildcards such as `*.csv` to the program.
@@ -95,13 +95,4 @@ fn answer(cli: &Cli) -> anyhow::Result<Outcome> {
         Command::Study(arguments) => study::run(arguments, files),
         Command::Vehicle(arguments) => vehicle::run(arguments, files),
     }
-}
-
-/// Whether the reader of standard output has closed it (`cg … | head`), which is not an error.
-fn is_closed_pipe(error: &anyhow::Error) -> bool {
-    error.chain().any(|cause| {
-        cause
-            .downcast_ref::<std::io::Error>()
-            .is_some_and(|io| io.kind() == std::io::ErrorKind::BrokenPipe)
-    })
 }

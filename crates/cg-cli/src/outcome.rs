@@ -33,3 +33,20 @@ pub(crate) fn print_error(error: &anyhow::Error) {
     // Standard error may be closed, and `eprintln!` would then panic.
     let _ = writeln!(std::io::stderr(), "cg: {}", error_message(error));
 }
+
+/// Whether the reader of standard output has closed it (`cg … | head`), which is not an error.
+pub(crate) fn is_closed_pipe(error: &anyhow::Error) -> bool {
+    error.chain().any(|cause| {
+        cause
+            .downcast_ref::<std::io::Error>()
+            .is_some_and(|io| io.kind() == std::io::ErrorKind::BrokenPipe)
+    })
+}
+
+/// The value; nothing if the reader of standard output has closed it.
+pub(crate) fn unless_closed<T>(result: anyhow::Result<T>) -> anyhow::Result<Option<T>> {
+    match result {
+        Err(error) if is_closed_pipe(&error) => Ok(None),
+        result => result.map(Some),
+    }
+}

@@ -3,7 +3,7 @@
 use std::io::{BufRead, BufReader, Read, Write};
 use std::process::{Command, Stdio};
 
-use crate::common::{Run, Scratch, cg_fed, command, estimate, kraz};
+use crate::common::{Run, Scratch, cg_fed, command, estimate, fixture, kraz};
 
 /// 2 GiB.
 const ENDLESS_BYTES: usize = 2 << 30;
@@ -102,6 +102,34 @@ fn a_pipe_closed_by_its_reader_is_no_error() {
     let (line, code, complaints) = head(&[&simulate[..], &["--duration-s", "300"]].concat());
     assert!(line.starts_with("# truth "), "{line}");
     assert_eq!((code, complaints.as_str()), (Some(0), ""));
+}
+
+/// What was asked for is written, and the status is that of the logs.
+#[test]
+fn a_closed_pipe_changes_neither_the_report_nor_the_status() {
+    let scratch = Scratch::new();
+    let straight = ["--maneuver", "sine", "--steer-rad", "0"];
+    let none = scratch.simulate("straight.csv", &kraz(), &straight);
+    let bad = scratch.file("bad.csv", "time_s,steer_rad,roll_rad\n0,x,0\n");
+    let (vehicle, good) = (kraz(), fixture("logs/A_p20_h190_v50_L.csv"));
+    for format in ["json", "csv", "table"] {
+        for (logs, code) in
+            [(&[&good][..], 0), (&[&good, &none], 1), (&[&good, &bad], 2), (&[&bad], 2)]
+        {
+            let page = scratch.path(&format!("{format}-{code}-{}.html", logs.len()));
+            let mut arguments = vec!["estimate", "--vehicle", &vehicle, "--format", format];
+            arguments.extend(["--report", &page]);
+            arguments.extend(logs.iter().map(|log| log.as_str()));
+            let (reader, writer) = std::io::pipe().unwrap();
+            drop(reader);
+            let run = command(&arguments).stdin(Stdio::null()).stdout(writer).output().unwrap();
+            let run = Run::from(run);
+            assert_eq!(run.code, Some(code), "{arguments:?} {run:?}");
+            assert_eq!(run.err.contains("`x` is not a number"), code == 2, "{run:?}");
+            let text = std::fs::read_to_string(&page).unwrap();
+            assert!(logs.iter().all(|log| text.contains(log.as_str())), "{arguments:?}");
+        }
+    }
 }
 
 #[test]
