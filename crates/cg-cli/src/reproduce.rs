@@ -5,7 +5,7 @@ use std::io::Write;
 use anyhow::Context;
 use cg_output::Files;
 use cg_thesis::catalog::{Kind, catalog};
-use cg_thesis::reproduce::{Options, Row, figures, table, tables, title};
+use cg_thesis::reproduce::{Options, Row, figure_names, figures, table, tables, title};
 use cg_thesis::verdict::Verdict;
 use comfy_table::presets::NOTHING;
 use comfy_table::{CellAlignment, ContentArrangement, Table};
@@ -19,7 +19,8 @@ use crate::study::write_all;
 pub(crate) fn run(arguments: &ReproduceArgs, files: Files) -> anyhow::Result<Outcome> {
     let options = Options { runs: arguments.runs, seed: arguments.seed };
     if let Some(folder) = &arguments.figures {
-        for name in write_all(&figures(&options)?, folder, files)? {
+        let compute = || Ok(figures(&options)?);
+        for name in write_all(figure_names(), folder, files, compute)? {
             writeln!(std::io::stdout(), "written: {name}")
                 .context("standard output: cannot be written")?;
         }

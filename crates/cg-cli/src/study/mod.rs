@@ -45,9 +45,6 @@ pub(crate) fn run(arguments: &StudyArgs, files: Files) -> anyhow::Result<Outcome
     // Before a study is computed, not after it.
     ensure!(cfg!(feature = "plots"), LEFT_OUT);
     let folder = &arguments.output;
-    if folder.exists() && !folder.is_dir() {
-        return Err(anyhow!("{}: is a file; give a folder with --output", folder.display()));
-    }
     refuse_standard_input(&arguments.run)?;
     let targets = targets(arguments, name, files)?;
     let vehicle = arguments.vehicle.as_deref().map(truck::load).transpose()?;
@@ -61,9 +58,9 @@ pub(crate) fn run(arguments: &StudyArgs, files: Files) -> anyhow::Result<Outcome
         }
         (name, vehicle) => study(name, vehicle.as_ref())?,
     };
-    let files = write(&study, folder, &targets)?;
+    write(&[(&study, &targets)], folder)?;
     let study = (&study, arguments.vehicle.is_none());
-    print(&mut std::io::stdout().lock(), study, &files)
+    print(&mut std::io::stdout().lock(), study, &targets)
         .context("standard output: cannot be written")?;
     Ok(Outcome::Done)
 }
@@ -117,45 +114,54 @@ fn targets(arguments: &StudyArgs, name: &str, files: Files) -> anyhow::Result<[T
     for run in &arguments.run {
         files = files.reads("--run", Path::new(&run.log));
     }
-    files = files.prints()?;
-    let path = |end| arguments.output.join(format!("{name}.{end}"));
+    let mut files = files.prints()?;
+    both("--output", &arguments.output, name, &mut files)
+}
+
+/// Table and figure of one study in the folder of an option.
+fn both(flag: &str, folder: &Path, name: &str, files: &mut Files) -> anyhow::Result<[Target; 2]> {
+    if folder.exists() && !folder.is_dir() {
+        return Err(anyhow!("{}: is a file; give a folder with {flag}", folder.display()));
+    }
+    let path = |end| folder.join(format!("{name}.{end}"));
     Ok([
-        files.writes("--output", &path("csv"), Kind::Table)?,
-        files.writes("--output", &path("svg"), Kind::Figure)?,
+        files.writes(flag, &path("csv"), Kind::Table)?,
+        files.writes(flag, &path("svg"), Kind::Figure)?,
     ])
 }
 
-/// Writes the figures of `cg reproduce`, each with its table, all or none; returns the names of the figures.
+/// Writes the figures of `cg reproduce`, each with its table, all or none; returns the names of the figures. Their files
+/// are checked before `compute` is called.
 pub(crate) fn write_all(
-    studies: &[Study],
+    names: impl Iterator<Item = &'static str>,
     folder: &Path,
-    mut files: Files,
+    files: Files,
+    compute: impl FnOnce() -> anyhow::Result<Vec<Study>>,
 ) -> anyhow::Result<Vec<String>> {
     ensure!(cfg!(feature = "plots"), LEFT_OUT);
-    let mut names = Vec::new();
-    for study in studies {
-        let path = |end| folder.join(format!("{}.{end}", study.name));
-        let targets = [
-            files.writes("--figures", &path("csv"), Kind::Table)?,
-            files.writes("--figures", &path("svg"), Kind::Figure)?,
-        ];
-        let [_, figure] = write(study, folder, &targets)?;
-        names.push(figure);
-    }
-    Ok(names)
+    let mut files = files.prints()?;
+    let targets = names.map(|name| both("--figures", folder, name, &mut files));
+    let targets = targets.collect::<anyhow::Result<Vec<_>>>()?;
+    let studies = compute()?;
+    write(&studies.iter().zip(&targets).collect::<Vec<_>>(), folder)?;
+    Ok(targets.iter().map(|[_, figure]| figure.path().display().to_string()).collect())
 }
 
-/// Writes both files or none; returns their names.
-fn write(study: &Study, folder: &Path, targets: &[Target; 2]) -> anyhow::Result<[String; 2]> {
-    let (table, figure) = (table::csv(study)?, figure::svg(study)?);
+/// Writes all files or none.
+fn write(studies: &[(&Study, &[Target; 2])], folder: &Path) -> anyhow::Result<()> {
+    let text = |(study, targets)| Ok((table::csv(study)?, figure::svg(study)?, targets));
+    let texts = studies.iter().copied().map(text).collect::<anyhow::Result<Vec<_>>>()?;
     if !folder.exists() {
         std::fs::create_dir(folder).with_context(|| {
             format!("{}: cannot be created; give another folder", folder.display())
         })?;
     }
-    let drafts = [targets[0].write(&table)?, targets[1].write(&figure)?];
+    let mut drafts = Vec::with_capacity(2 * texts.len());
+    for (table, figure, [first, second]) in texts {
+        drafts.extend([first.write(&table)?, second.write(&figure)?]);
+    }
     Draft::publish_all(drafts.into_iter().flatten())?;
-    Ok(targets.each_ref().map(|target| target.path().display().to_string()))
+    Ok(())
 }
 
 /// The range in which a result is the thesis's, with its reason.
@@ -190,7 +196,7 @@ fn file_name(path: &Path) -> String {
 fn print(
     out: &mut impl Write,
     (study, is_of_thesis): (&Study, bool),
-    files: &[String; 2],
+    files: &[Target; 2],
 ) -> std::io::Result<()> {
     let mut table = Table::new();
     table.load_preset(NOTHING);
@@ -208,5 +214,6 @@ fn print(
     if !study.statements.is_empty() {
         writeln!(out, "{}", table.trim_fmt())?;
     }
-    writeln!(out, "written: {}, {}", files[0], files[1])
+    let [table, figure] = files.each_ref().map(|file| file.path().display());
+    writeln!(out, "written: {table}, {figure}")
 }

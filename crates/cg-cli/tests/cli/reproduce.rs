@@ -2,6 +2,7 @@
 
 use std::collections::BTreeSet;
 use std::path::PathBuf;
+use std::time::Instant;
 
 use crate::common::{Run, Scratch, cg};
 use crate::output::keys;
@@ -118,7 +119,18 @@ fn figures_are_written_once_with_their_tables_and_never_over_other_files() {
     for figure in ["C.1", "4.2 and C.5", "C.10"] {
         assert!(table.lines().any(|line| line.starts_with(figure)), "{figure}");
     }
-    std::fs::write(path.join("reproduce-4.1.svg"), "mine").unwrap();
-    reproduce(&["--figures", name, "--runs", "2"]).refused(&["reproduce-4.1.svg"]);
-    assert_eq!(std::fs::read_to_string(path.join("reproduce-4.1.svg")).unwrap(), "mine");
+    // All or none: of the others, no one is written again, whatever their order is.
+    let begun = Instant::now();
+    for figure in run.out.lines().map(|line| line.strip_prefix("written: ").unwrap()) {
+        std::fs::remove_dir_all(&path).unwrap();
+        std::fs::create_dir(&path).unwrap();
+        std::fs::write(figure, "mine").unwrap();
+        reproduce(&["--figures", name, "--runs", "5000"]).refused(&[figure, "--figures"]);
+        assert_eq!(std::fs::read_to_string(figure).unwrap(), "mine");
+        assert_eq!(std::fs::read_dir(&path).unwrap().count(), 1, "{figure}");
+    }
+    // So many draws would take half a minute each time.
+    assert!(begun.elapsed().as_secs() < 20);
+    let file = scratch.file("file", "mine");
+    reproduce(&["--figures", &file]).refused(&["is a file", "a folder with --figures"]);
 }
