@@ -26,6 +26,11 @@ impl ColumnArgs {
         LogOptions { columns, flip, ..LogOptions::default() }
     }
 
+    /// Whether any of them is given.
+    pub(crate) fn is_given(&self) -> bool {
+        !self.column.is_empty() || !self.flip.is_empty()
+    }
+
     /// Refuses these options where they do not apply to CAN frames that are read with `options`, and there is nothing
     /// else.
     pub(crate) fn refuse_for_frames(&self, options: &LogOptions) -> anyhow::Result<()> {

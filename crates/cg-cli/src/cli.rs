@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use cg_core::Channel;
 use cg_logs::calibrate::KnownLog;
 use cg_logs::estimate::{ChannelChoice, Method};
-use cg_plant::maneuver::{Histories, Maneuver};
+use cg_plant::maneuver::Maneuver;
 use cg_plant::simulate::Plant;
 use cg_thesis::reproduce::Options;
 use cg_vehicle::Variant;
@@ -243,7 +243,7 @@ pub(crate) struct SimulateArgs {
     /// the road]
     #[arg(long, value_name = "U", allow_negative_numbers = true, value_parser = speed_mps)]
     pub(crate) speed_mps: Option<f64>,
-    /// Amplitude of the road-wheel angle, rad [default: the angle for 0.17 g]
+    /// Amplitude of the road-wheel angle, rad; not for a driver on a path [default: the angle for 0.17 g]
     #[arg(long, value_name = "D", allow_negative_numbers = true, value_parser = steer_rad)]
     pub(crate) steer_rad: Option<f64>,
     /// Samples per second, Hz
@@ -256,9 +256,9 @@ pub(crate) struct SimulateArgs {
     /// a driver on a path; 120 to 150 on a road, or as long as it is]
     #[arg(long, value_name = "T", allow_negative_numbers = true, value_parser = duration_s)]
     pub(crate) duration_s: Option<f64>,
-    /// Rate of rounded steps, 1/s
-    #[arg(long, value_name = "A", default_value_t = Histories::STEP_RATE_PER_S, allow_negative_numbers = true, value_parser = step_rate)]
-    pub(crate) step_rate: f64,
+    /// Rate of rounded steps, 1/s; for rounded-step, and for steady-turn without a driver [default: 3]
+    #[arg(long, value_name = "A", allow_negative_numbers = true, value_parser = step_rate)]
+    pub(crate) step_rate: Option<f64>,
     /// Angle of a turn by a driver, degrees, to the right if negative; for steady-turn with the
     /// nonlinear plant [default with --radius-m: 90]
     #[arg(long, value_name = "A", allow_negative_numbers = true, value_parser = turn_deg)]
@@ -360,7 +360,7 @@ pub(crate) struct StudyArgs {
     #[arg(required_unless_present = "list")]
     pub(crate) name: Option<String>,
     /// List all studies
-    #[arg(long, conflicts_with_all = ["name", "vehicle", "output", "run", "calibration"])]
+    #[arg(long, conflicts_with_all = ["name", "vehicle", "output", "run", "calibration", "column", "flip"])]
     pub(crate) list: bool,
     /// Vehicle file [default: the thesis's baseline with its measured springs and tires]
     #[arg(long, value_name = "V.toml")]

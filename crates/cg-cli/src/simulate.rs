@@ -2,10 +2,10 @@
 
 use std::path::Path;
 
-use anyhow::{Context, anyhow};
+use anyhow::{Context, anyhow, bail};
 use cg_logs::log::{CandumpWriter, LogRow, LogWriter, Signal};
 use cg_output::{Draft, Files, Kind, Target};
-use cg_plant::maneuver::{Course, Maneuver};
+use cg_plant::maneuver::{Course, Histories, Maneuver};
 use cg_plant::road::{Road, RoadKind};
 use cg_plant::sensors::ChassisSensors;
 use cg_plant::simulate::{LogSimulation, Plant, Scenario};
@@ -29,6 +29,24 @@ fn course(arguments: &SimulateArgs) -> anyhow::Result<Option<Course>> {
             "--turn-deg and --radius-m are for --maneuver steady-turn, --gate-m for lane-change"
         )),
     }
+}
+
+/// Refuses options that a maneuver does not use.
+fn refuse_unused(arguments: &SimulateArgs, course: Option<Course>) -> anyhow::Result<()> {
+    let of_steps = [Some(Maneuver::RoundedStep), Some(Maneuver::SteadyTurn)];
+    let has_steps = course.is_none() && of_steps.contains(&arguments.maneuver);
+    if arguments.step_rate.is_some() && !has_steps {
+        bail!(
+            "--step-rate is for --maneuver rounded-step, and for steady-turn without a driver (--turn-deg, --radius-m); \
+             remove it"
+        );
+    }
+    if arguments.steer_rad.is_some() && course.is_some() {
+        bail!(
+            "--steer-rad: a driver on a path (--turn-deg, --radius-m, --gate-m) steers as the path needs it; remove it"
+        );
+    }
+    Ok(())
 }
 
 /// The road, if one is asked for.
@@ -55,9 +73,11 @@ fn plant(arguments: &SimulateArgs) -> anyhow::Result<Plant> {
 
 fn scenario(arguments: &SimulateArgs, vehicle: &Vehicle) -> anyhow::Result<Scenario> {
     let usual = Scenario::of(vehicle, arguments.maneuver.unwrap_or(Maneuver::Drive));
+    let course = course(arguments)?;
+    refuse_unused(arguments, course)?;
     let scenario = Scenario {
-        course: course(arguments)?,
-        step_rate_per_s: arguments.step_rate,
+        course,
+        step_rate_per_s: arguments.step_rate.unwrap_or(Histories::STEP_RATE_PER_S),
         to_rollover: arguments.to_rollover,
         plant: plant(arguments)?,
         variant: arguments.model,

@@ -63,7 +63,8 @@ pub(crate) struct RunArgs {
     #[arg(long, conflicts_with_all = ["csv", "candump"])]
     pub(crate) transmit: bool,
     /// Source address of the sent frames
-    #[arg(long, value_name = "ADDRESS", default_value = "0xD0", value_parser = address)]
+    #[arg(long, value_name = "ADDRESS", default_value = "0xD0", value_parser = address, requires = "transmit",
+        conflicts_with_all = ["csv", "candump"])]
     pub(crate) transmit_address: u8,
     /// Warning levels, in any order, as shares of the lower bound of the rollover threshold
     #[arg(long, value_name = "SHARES", value_delimiter = ',', default_value = "0.6,0.75,0.9", value_parser = share_of_threshold)]

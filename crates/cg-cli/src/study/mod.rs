@@ -53,8 +53,10 @@ pub(crate) fn run(arguments: &StudyArgs, files: Files) -> anyhow::Result<Outcome
         (REPLAY, None) => {
             return Err(anyhow!("replay: give the file of the recorded vehicle with --vehicle"));
         }
-        _ if !arguments.run.is_empty() || arguments.calibration.is_some() => {
-            return Err(anyhow!("--run and --calibration are for the study `{REPLAY}` only"));
+        _ if reads_logs(arguments) => {
+            return Err(anyhow!(
+                "--run, --calibration, --column and --flip are for the study `{REPLAY}` only"
+            ));
         }
         (name, vehicle) => study(name, vehicle.as_ref())?,
     };
@@ -63,6 +65,12 @@ pub(crate) fn run(arguments: &StudyArgs, files: Files) -> anyhow::Result<Outcome
     print(&mut std::io::stdout().lock(), study, &targets)
         .context("standard output: cannot be written")?;
     Ok(Outcome::Done)
+}
+
+/// Whether there are options for recorded logs.
+fn reads_logs(arguments: &StudyArgs) -> bool {
+    let StudyArgs { run, calibration, columns, .. } = arguments;
+    !run.is_empty() || calibration.is_some() || columns.is_given()
 }
 
 /// The study of recorded logs that are simulated again.

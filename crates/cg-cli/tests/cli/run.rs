@@ -372,7 +372,7 @@ fn mistakes_are_refused_before_anything_runs() {
     let kept = drive.path("state.json");
     let (folder, head) = (drive.path(""), drive.path("head.csv"));
     std::fs::write(&head, "what,is,this\n1,2,3\n").unwrap();
-    let cases: [(&[&str], &[&str]); 13] = [
+    let cases: [(&[&str], &[&str]); 15] = [
         (&["run", "--vehicle", truck], &["--can <IFACE>", "--candump <FILE>"]),
         (&["run", "--vehicle", "none.toml", "--candump", log], &["none.toml"]),
         (&["run", "--vehicle", truck, "--candump", "none.log"], &["none.log: cannot be read"]),
@@ -400,6 +400,25 @@ fn mistakes_are_refused_before_anything_runs() {
         (
             &["run", "--vehicle", truck, "--can", "none0", "--method", "gain", "--transmit"],
             &["--method gain: --transmit is for"],
+        ),
+        (
+            &["run", "--vehicle", truck, "--candump", log, "--transmit-address", "5"],
+            &["--transmit-address", "cannot be used with"],
+        ),
+        (
+            // Without that mistake it would wait for the interface.
+            &[
+                "run",
+                "--vehicle",
+                truck,
+                "--can",
+                "none0",
+                "--learn",
+                "on",
+                "--transmit-address",
+                "5",
+            ],
+            &["--transmit\n"],
         ),
     ];
     for (arguments, parts) in cases {

@@ -263,6 +263,17 @@ fn paths_without_their_maneuver_or_plant_are_refused() {
     refused(&["--maneuver", "sine", "--gate-m", "20"], &["--gate-m for lane-change"]);
     refused(&["--maneuver", "lane-change", "--turn-deg", "60"], &["for --maneuver steady-turn"]);
     refused(&["--maneuver", "lane-change", "--gate-m", "20"], &["need --plant nonlinear"]);
+    // What would change nothing.
+    let turn = ["--maneuver", "steady-turn", "--plant", "nonlinear", "--turn-deg", "60"];
+    let gate = ["--maneuver", "lane-change", "--plant", "nonlinear", "--gate-m", "20"];
+    for path in [turn, gate] {
+        refused(&[&path[..], &["--steer-rad", "0.1"]].concat(), &["--steer-rad", "remove it"]);
+        refused(&[&path[..], &["--step-rate", "9"]].concat(), &["--step-rate", "remove it"]);
+    }
+    for maneuver in ["lane-change", "sine", "ramp", "drive"] {
+        let step = ["--maneuver", maneuver, "--step-rate", "9"];
+        refused(&step, &["--step-rate is for --maneuver rounded-step"]);
+    }
     refused(&["--maneuver", "steady-turn", "--turn-deg", "0"], &["at least 1 or at most -1"]);
     refused(&["--maneuver", "sine", "--to-rollover"], &["need --plant nonlinear"]);
     let printed = ["--maneuver", "sine", "--model", "as-printed", "--payload-left-m", "0.1"];

@@ -145,5 +145,8 @@ fn a_replay_says_what_it_needs() {
     study(&["replay", "--run", &log]).refused(&["--vehicle"]);
     study(&["replay", "--vehicle", &vehicle]).refused(&["--run LOG=HEIGHT_M"]);
     study(&["replay", "--vehicle", &vehicle, "--run", "-=1.85"]).refused(&["standard input"]);
-    study(&["height", "--run", &log]).refused(&["`replay` only"]);
+    for option in [["--run", &log], ["--flip", "roll"], ["--column", "roll=Gyro[deg]"]] {
+        study(&["height", option[0], option[1]]).refused(&[option[0], "`replay` only"]);
+        study(&["--list", option[0], option[1]]).refused(&[option[0], "--list"]);
+    }
 }
