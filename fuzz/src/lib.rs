@@ -292,7 +292,7 @@ pub fn state_file(data: &[u8]) -> bool {
         Ok(state) => {
             let (settings, prior) = (Settings::truck(), Prior::standard());
             let estimator: Option<Estimator<f64, FilteredArx<f64>>> =
-                Estimator::restored(*DESIGN, settings, prior, &state.memory(0));
+                Estimator::restored(*DESIGN, settings, prior, &state.memory((0, None)));
             drive::hundred_samples(estimator.expect("what is accepted is sound"));
             true
         }

@@ -53,7 +53,9 @@ mod tests {
     #[test]
     fn a_column_has_its_unit_and_an_axis_its_symbol() {
         let speed = Quantity { name: "speed", label: "Speed", unit: Unit::MeterPerSecond };
-        assert_eq!((column(speed).as_str(), axis(speed).as_str()), ("speed_kmh", "Speed (km/h)"));
+        assert_eq!(column(speed), "speed_kmh");
+        #[cfg(feature = "plots")]
+        assert_eq!(axis(speed), "Speed (km/h)");
         assert!((13.888_888_888_9 * display_unit(speed.unit).factor - 50.0).abs() < 1e-9);
     }
 }

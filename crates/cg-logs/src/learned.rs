@@ -138,9 +138,19 @@ impl EmptyTrip {
             speed_mps: self.speed_mps,
             turn_g: None,
             ratio: self.ratio,
-            age_s: Some((now_s - self.date_s).max(0.0)),
+            age_s: Some(age_s(now_s, self.date_s)),
         }
     }
+}
+
+/// Longest time between two trips, or since a calibration, s: twenty years. What seems longer is a clock that nobody has set, and tells
+/// nothing; a truck that changes for so long could have become any other.
+const LONGEST_S: f64 = 20.0 * 365.25 * 86_400.0;
+
+/// The time since a date, s; zero if it is not known.
+fn age_s(now_s: f64, date_s: f64) -> f64 {
+    let age_s = now_s - date_s;
+    if (0.0..=LONGEST_S).contains(&age_s) { age_s } else { 0.0 }
 }
 
 /// The empty trailer with the lift axles in a position. That of a truck without lift axles is not used: no fit has it.
@@ -205,9 +215,9 @@ impl Learned {
         }
     }
 
-    /// The same with a trip that has not ended.
+    /// The same with a trip that has not ended; without one, that of before a restart stays until it is learned.
     pub(crate) fn with_open(&self, open: Option<EmptyTrip>) -> Self {
-        Self { open, ..self.clone() }
+        Self { open: open.or_else(|| self.open.clone()), ..self.clone() }
     }
 
     /// Date of the calibration on which it rests; `None` if it rests on the vehicle file.
@@ -348,13 +358,13 @@ impl Learned {
         if runs.is_empty() {
             return Ok(None);
         }
-        let age_s = self.before.as_ref().and_then(|before| Some(now_s - before.date_s?));
+        let date_s = self.before.as_ref().and_then(|before| before.date_s);
         let belief = match &self.before {
             None => Belief::prior(vehicle),
             Some(before) => before.belief.clone(),
         };
         // Time stamps from another origin than that of the calibration tell no age.
-        let prior = Prior { belief, age_s: age_s.unwrap_or(0.0).max(0.0) };
+        let prior = Prior { belief, age_s: date_s.map_or(0.0, |date_s| age_s(now_s, date_s)) };
         fit_from((vehicle, variant), Procedure::MaximumAPosteriori, &prior, &runs).map(Some)
     }
 

@@ -16,7 +16,7 @@ use cg_vehicle::{Variant, Vehicle, VehicleError};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use crate::estimate::{Gusts, Strength};
+use crate::estimate::{EstimateOptions, Gusts, Strength};
 use crate::learned::Learned;
 
 const FORMAT: &str = "cg-height state";
@@ -67,13 +67,32 @@ pub struct State {
     /// What a wind makes of the ratios of the load. Older files do not have it.
     #[serde(default, skip_serializing_if = "Gusts::is_none")]
     pub gusts: Gusts,
+    /// Standard deviations of the bank of the roads that its heights assume, rad, as [`EstimateOptions::bank_sds_rad`]. Older files do
+    /// not have it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub bank_sds_rad: Option<[f64; 2]>,
+    /// Standard deviation of the height by what the estimator does not know and this file does not have otherwise, m: turns that were
+    /// left out, and the sensors of the roll angle. Older files do not have it.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub beside_sd_m: f64,
+    /// The part of the load that came or went since its last turn, kg. Older files do not have it.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub part_kg: f64,
     memory: Stored,
     /// Number of learned trips in the design that gave the heights. Older files do not have it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub trips_in_use: Option<usize>,
+    /// The time of the newest of them, s: another number of trips is not the only sign of other trips. Older files do not have it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub newest_in_use_s: Option<f64>,
     /// What the truck has learned from empty driving. Older files do not have it.
     #[serde(default, skip_serializing_if = "Learned::is_empty")]
     pub learned: Learned,
+}
+
+#[allow(clippy::trivially_copy_pass_by_ref)] // serde passes a reference
+fn is_zero(number: &f64) -> bool {
+    *number <= 0.0
 }
 
 /// The truck, as its vehicle file and calibration describe it, to which a state belongs.
@@ -172,7 +191,11 @@ impl State {
             lift_axle: LiftAxle::Down,
             strength: Strength::default(),
             gusts: Gusts::default(),
+            bank_sds_rad: None,
+            beside_sd_m: 0.0,
+            part_kg: 0.0,
             trips_in_use: None,
+            newest_in_use_s: None,
             learned,
             memory: Stored {
                 fused: memory.fused,
@@ -184,20 +207,28 @@ impl State {
         }
     }
 
-    /// The memory of an estimator whose design contains this many learned trips. If it was saved with another number, the
-    /// truck is known otherwise now, and the heights are [those of another design](Memory::of_another_design).
-    pub fn memory(&self, trips_in_use: usize) -> Memory<f64> {
+    /// The memory of an estimator whose design contains this many learned trips, of which the newest is of this time, s. If it was
+    /// saved with others, the truck is known otherwise now, and the heights are
+    /// [those of another design](Memory::of_another_design).
+    pub fn memory(&self, (trips_in_use, newest_s): (usize, Option<f64>)) -> Memory<f64> {
         let memory = self.stored();
-        if self.trips_in_use.is_none_or(|saved| saved == trips_in_use) {
-            memory
-        } else {
-            memory.of_another_design()
-        }
+        let are_as_many = self.trips_in_use.is_none_or(|saved| saved == trips_in_use);
+        let bits = |time_s: Option<f64>| time_s.map(f64::to_bits);
+        let are_as_new =
+            self.newest_in_use_s.is_none() || bits(self.newest_in_use_s) == bits(newest_s);
+        if are_as_many && are_as_new { memory } else { memory.of_another_design() }
     }
 
     fn stored(&self) -> Memory<f64> {
         let Stored { fused, correlation, trailer_mass_kg, load_mass_kg, waiting } = self.memory;
         Memory { fused, correlation, trailer_mass_kg, load_mass_kg, waiting }
+    }
+
+    /// Whether its heights assume roads with less bank than a truck with these options drives on.
+    pub fn is_of_flatter_roads(&self, options: &EstimateOptions) -> bool {
+        let present_rad = options.bank_sds_rad();
+        let saved = self.bank_sds_rad.iter().flatten();
+        saved.zip(present_rad).any(|(saved_rad, present_rad)| present_rad > 1.001 * saved_rad)
     }
 
     /// The text of the state file.
@@ -244,12 +275,15 @@ impl State {
         }
         let state: Self =
             serde_json::from_str(json).map_err(|error| StateError::Content(error.to_string()))?;
+        let is_size = |number: f64| number.is_finite() && number >= 0.0;
         let parts = [
             state.stored().is_sound(),
+            state.bank_sds_rad.iter().flatten().all(|sd_rad| is_size(*sd_rad)),
+            is_size(state.beside_sd_m) && is_size(state.part_kg),
             state.learned.is_sound(),
             state.strength.is_sound(),
             state.gusts.is_sound(),
-            state.mass_sd_kg.is_none_or(|sd_kg| sd_kg.is_finite() && sd_kg >= 0.0),
+            state.mass_sd_kg.is_none_or(is_size),
         ];
         if parts.contains(&false) {
             return Err(StateError::Unsound);

@@ -230,6 +230,23 @@ fn wear_is_followed_and_a_sudden_change_forgets_the_earlier_trips() {
     assert_eq!(learned.trips(), 3);
 }
 
+/// A clock that begins in 1970 says nothing of what the truck became until today: an impossible trip after it stays impossible.
+#[test]
+fn a_trip_of_a_clock_that_was_not_set_lets_no_other_one_in() {
+    let truck = vehicle("kraz.toml");
+    let today = 20_700; // days since 1970
+    for first_day in [today - 30, 0] {
+        let mut learned = Learned::default();
+        let mut take = |stiffer: f64, day: u32| {
+            let trip = exact(&truck, &deviations(stiffer), f64::from(day) * DAY_S);
+            learned.take(&truck, Variant::Complete, trip).unwrap()
+        };
+        assert_eq!(take(0.0, first_day), Taken::Learned(1));
+        assert_eq!(take(-0.5, today), Taken::Waiting, "{first_day}");
+        assert_eq!(take(0.0, today + 1), Taken::Learned(2), "{first_day}");
+    }
+}
+
 /// The first trips tell what the truck was, so a change is wear. They must not be dropped.
 #[test]
 fn of_many_trips_the_first_and_the_last_ones_are_kept() {

@@ -75,8 +75,8 @@ pub(crate) struct Start {
     /// What is known of the truck, if it has learned anything.
     pub(crate) belief: Option<Belief>,
     pub(crate) learning: Learning,
-    /// Number of trips in the design.
-    pub(crate) trips_in_use: usize,
+    /// Number of trips in the design, and the time of the newest, s.
+    pub(crate) trips_in_use: (usize, Option<f64>),
     pub(crate) told: Vec<Told>,
 }
 
@@ -113,7 +113,11 @@ impl Start {
             }
         }
         Self {
-            trips_in_use: if known.is_some() { learned.trips() } else { 0 },
+            trips_in_use: if known.is_some() {
+                (learned.trips(), learned.newest_s())
+            } else {
+                (0, None)
+            },
             belief: known,
             learning: Learning { learner: Learner::new(vehicle, variant, learned), on },
             told: messages,

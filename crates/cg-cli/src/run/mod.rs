@@ -121,7 +121,7 @@ pub(crate) fn run(arguments: &RunArgs, files: Files) -> anyhow::Result<Outcome> 
     }
     let stop = Stop::listen()?;
     session.outputs.stop = Some(stop.clone());
-    session.trips_in_use = start.as_ref().map_or(0, |start| start.trips_in_use);
+    session.trips_in_use = start.as_ref().map_or((0, None), |start| start.trips_in_use);
     let restored = session.restore()?;
     frames.resume(session.lift.position());
     begin(arguments, &vehicle, &mut session, restored)?;

@@ -30,7 +30,6 @@ use super::learning::Learning;
 use super::outputs::Outputs;
 use super::pace::{Pace, pacing, too_slow};
 use super::request::SpeedRequest;
-use super::state::SavedLoad;
 use super::weighing::Weighing;
 
 /// Time between two writes of the state without an event, in stream time, µs.
@@ -59,7 +58,7 @@ pub(crate) struct Session<W: Write> {
     /// The learning from empty driving.
     learning: Option<Learning>,
     /// Number of learned trips in the design.
-    pub(crate) trips_in_use: usize,
+    pub(crate) trips_in_use: (usize, Option<f64>),
     pace: Pace,
     warner: Warner<f64>,
     pub(crate) request: Option<SpeedRequest>,
@@ -82,6 +81,8 @@ pub(crate) struct Session<W: Write> {
     height_kg: f64,
     /// What came or went since, kg.
     part_kg: f64,
+    /// What turns of the load before a restart leave uncertain ([`SavedLoad`](super::state::SavedLoad)), m.
+    kept_beside_m: f64,
     /// The mass of a load whose height is not shown because the trailer has another mass, kg.
     hidden_kg: Option<f64>,
     doubted: DoubtedMass,
@@ -154,7 +155,7 @@ impl<W: Write> Session<W> {
             mass_source,
             unweighed_us: None,
             learning: None,
-            trips_in_use: 0,
+            trips_in_use: (0, None),
             nominal_mass_reported: false,
             pace: Pace::default(),
             warner,
@@ -170,6 +171,7 @@ impl<W: Write> Session<W> {
             height_mps: f64::NAN,
             height_kg: f64::NAN,
             part_kg: 0.0,
+            kept_beside_m: 0.0,
             hidden_kg: None,
             doubted: DoubtedMass::default(),
             weighed_kg: None,
@@ -294,7 +296,7 @@ impl<W: Write> Session<W> {
         if is_of_another_load {
             self.load_since_s = Some(self.time_s(maneuver.end_us));
             self.leaning = Leaning::default();
-            self.hidden_kg = None;
+            (self.hidden_kg, self.kept_beside_m) = (None, 0.0);
             self.roads = RoadPart::default();
             self.told.clear();
             let message = "the heights so far belong to another load and were discarded";
@@ -445,28 +447,6 @@ impl<W: Write> Session<W> {
         let status = self.status();
         match self.outputs.measure(&status) {
             Some(message) => self.notice("metrics", &message),
-            None => Ok(()),
-        }
-    }
-
-    fn save(&mut self) -> io::Result<()> {
-        self.next.save_us = self.now_us + SAVE_US;
-        let memory = self.estimator.memory();
-        let saved_s = self.time_s(self.now_us);
-        let design = self.estimator.design();
-        let learned = self.learning.as_ref().map(|learning| learning.learned(design));
-        let load = SavedLoad {
-            since_s: self.load_since_s,
-            lift_axle: self.lift.position(),
-            strength: self.strength(),
-            gusts: self.windward.of_load(),
-            trips_in_use: self.trips_in_use,
-            wrong_signal: self.wrong_text(),
-            height_is_doubted: self.doubted.hides,
-            ..self.weighing.saved(self.mass_source)
-        };
-        match self.outputs.save(&memory, saved_s, load, learned.unwrap_or_default()) {
-            Some(message) => self.notice("state", &message),
             None => Ok(()),
         }
     }

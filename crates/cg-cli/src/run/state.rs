@@ -54,8 +54,14 @@ pub(crate) struct SavedLoad {
     pub(crate) strength: Strength,
     /// What a wind makes of their ratios.
     pub(crate) gusts: Gusts,
-    /// Number of learned trips in the design.
-    pub(crate) trips_in_use: usize,
+    /// The bank that the heights assume, rad.
+    pub(crate) bank_sds_rad: Option<[f64; 2]>,
+    /// Standard deviation of the height by turns that were left out and by the sensors of the roll angle, m.
+    pub(crate) beside_sd_m: f64,
+    /// The part of the load that came or went, kg.
+    pub(crate) part_kg: f64,
+    /// Number of learned trips in the design, and the time of the newest, s.
+    pub(crate) trips_in_use: (usize, Option<f64>),
     /// What is wrong with a signal.
     pub(crate) wrong_signal: Option<String>,
 }
@@ -92,7 +98,10 @@ impl StateFile {
         state.lift_axle = load.lift_axle;
         state.strength = load.strength;
         state.gusts = load.gusts;
-        state.trips_in_use = Some(load.trips_in_use);
+        (state.bank_sds_rad, state.beside_sd_m) = (load.bank_sds_rad, load.beside_sd_m);
+        state.part_kg = load.part_kg;
+        state.trips_in_use = Some(load.trips_in_use.0);
+        state.newest_in_use_s = load.trips_in_use.1;
         let text = state.to_text()?;
         let (draft, mut file) = self.target.open()?;
         file.write_all(text.as_bytes())?;
@@ -257,13 +266,21 @@ mod tests {
             height_is_doubted: true,
             strength,
             gusts,
-            trips_in_use: 3,
+            bank_sds_rad: Some([0.02, 0.0]),
+            beside_sd_m: 0.1,
+            part_kg: 400.0,
+            trips_in_use: (3, Some(1.5)),
             wrong_signal: Some("a signal".to_owned()),
         };
         file.save(&memory, 2.5, load, Learned::default()).unwrap();
         let Found::State(state) = file.load().unwrap() else { panic!("a state") };
-        assert_eq!((state.memory(3), state.saved_s, state.load_since_s), (memory, 2.5, None));
-        assert_eq!(state.memory(2), memory.of_another_design());
+        assert_eq!((state.saved_s, state.load_since_s), (2.5, None));
+        assert_eq!(state.memory((3, Some(1.5))), memory);
+        for other in [(2, Some(1.5)), (3, Some(1.6)), (3, None)] {
+            assert_eq!(state.memory(other), memory.of_another_design());
+        }
+        assert_eq!((state.beside_sd_m, state.part_kg), (0.1, 400.0));
+        assert_eq!(state.bank_sds_rad, Some([0.02, 0.0]));
         assert_eq!(state.scale, Some(Scale::AxleLoad));
         assert!(state.mass_is_of_another_load && state.height_is_doubted);
         assert_eq!(state.lift_axle, LiftAxle::Raised);

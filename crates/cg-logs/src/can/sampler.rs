@@ -277,6 +277,7 @@ BO_ 2566851100 SLOPE: 8 TRAILER
         sampler.push(&heard, None, |_| {});
         assert!(sampler.take_lift_axle() > 0.9 && sampler.take_lift_axle().is_nan());
     }
+
     /// Two senders of a mapped group, of which one is accepted. Frames with 11-bit identifiers have no address.
     #[test]
     fn a_mapped_signal_comes_from_the_accepted_address_only() {

@@ -205,6 +205,7 @@ mod tests {
         assert!(sources.news().is_empty());
         assert_eq!(sources.remarks(), told);
     }
+
     /// SSI2 and SSI of one sensor; then the same address on another bus.
     #[test]
     fn one_address_with_two_groups_is_one_device() {

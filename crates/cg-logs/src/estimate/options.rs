@@ -3,7 +3,7 @@
 use std::str::FromStr;
 
 use cg_core::decide::settings::PUBLIC_BANK_SD_RAD;
-use cg_core::{CHANNELS, Channel, Measured, Outcome, Quantity};
+use cg_core::{CHANNELS, Channel, Measured, Outcome, Quantity, Settings};
 use cg_vehicle::assumptions::has_unplaced_roll_sensor;
 use cg_vehicle::floor::Floor;
 use cg_vehicle::lean::Lean;
@@ -207,6 +207,14 @@ impl EstimateOptions {
             second_roll_slopes,
             ..self
         }
+    }
+
+    /// Standard deviations of the bank of the roads, rad, that a roll angle relative to gravity contains, and one relative to the
+    /// road.
+    pub fn bank_sds_rad(&self) -> [f64; 2] {
+        let usual = Settings::<f64>::truck();
+        let unknown = [usual.bank_sd_rad, usual.bank_sd_to_road_rad];
+        self.road.map_or(unknown, |road| [road.bank_sd_rad; 2])
     }
 
     /// Whether the road may be twisted: unless it is flat.

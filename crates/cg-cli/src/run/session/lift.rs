@@ -76,6 +76,7 @@ impl<W: Write> Session<W> {
         self.windward = Windward::default();
         (self.unheard, self.stop) = (Unheard::default(), SinceStop::default());
         (self.hidden_kg, self.roads) = (None, RoadPart::default());
+        self.kept_beside_m = 0.0;
         self.told.clear();
     }
 }

@@ -7,10 +7,13 @@ use cg_logs::estimate::{
     Engine, LeftOut, SinceStop, StrongTurns, Unheard, Weighed, Windward, is_other_load,
 };
 
-use super::Session;
+use super::{SAVE_US, Session};
 use crate::run::doubted::DoubtedMass;
 use crate::run::events::{MassSource, Result as Known};
-use crate::run::state::Found;
+use crate::run::state::{Found, SavedLoad};
+
+/// Share of the mass that a part of the load is: less moves a c.g. by millimeters.
+const PART: f64 = 0.01;
 
 impl<W: Write> Session<W> {
     /// Restores the memory that was saved before a restart. Returns whether there was one.
@@ -23,6 +26,10 @@ impl<W: Write> Session<W> {
                         state.lift_axle
                     );
                     return self.notice("state", &message).map(|()| false);
+                }
+                if state.is_of_flatter_roads(&self.options) {
+                    let message = "its heights are those of flatter roads than --road or the vehicle file says now, and are not used";
+                    return self.notice("state", message).map(|()| false);
                 }
                 let memory = state.memory(self.trips_in_use);
                 let restored = Engine::restored(self.estimator.design(), &self.options, &memory);
@@ -44,6 +51,8 @@ impl<W: Write> Session<W> {
                 }
                 self.turn_kg = memory.load_mass_kg.unwrap_or(memory.trailer_mass_kg);
                 self.height_kg = self.turn_kg;
+                self.kept_beside_m = state.beside_sd_m;
+                self.part_kg = state.part_kg.max(self.part_since_kg(memory.trailer_mass_kg));
                 self.hide_again(&memory, state.height_is_doubted);
                 self.update(self.turn_kg);
                 self.unheard = Unheard::kept(self.has_height());
@@ -58,6 +67,38 @@ impl<W: Write> Session<W> {
             }
             Some(Ok(Found::Nothing)) | None => Ok(false),
         }
+    }
+
+    /// Writes the state file.
+    pub(super) fn save(&mut self) -> io::Result<()> {
+        self.next.save_us = self.now_us + SAVE_US;
+        let memory = self.estimator.memory();
+        let saved_s = self.time_s(self.now_us);
+        let design = self.estimator.design();
+        let learned = self.learning.as_ref().map(|learning| learning.learned(design));
+        let load = SavedLoad {
+            since_s: self.load_since_s,
+            lift_axle: self.lift.position(),
+            strength: self.strength(),
+            gusts: self.windward.of_load(),
+            bank_sds_rad: Some(self.options.bank_sds_rad()),
+            beside_sd_m: self.beside_sd_m(),
+            part_kg: self.part_kg,
+            trips_in_use: self.trips_in_use,
+            wrong_signal: self.wrong_text(),
+            height_is_doubted: self.doubted.hides,
+            ..self.weighing.saved(self.mass_source)
+        };
+        match self.outputs.save(&memory, saved_s, load, learned.unwrap_or_default()) {
+            Some(message) => self.notice("state", &message),
+            None => Ok(()),
+        }
+    }
+
+    /// The part of the load that came or went since the turns before a restart, kg, by the last mass, or that which is given now.
+    fn part_since_kg(&self, last_kg: f64) -> f64 {
+        let change_kg = (self.trailer_mass_kg.unwrap_or(last_kg) - self.turn_kg).abs();
+        if change_kg > PART * self.turn_kg { change_kg } else { 0.0 }
     }
 
     /// Hides a height that was hidden before a restart: that of another mass than the last one, or one that turns contradicted.

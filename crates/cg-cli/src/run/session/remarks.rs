@@ -145,23 +145,35 @@ impl<W: Write> Session<W> {
         let known = &self.known;
         let Some(height_m) = known.height_m else { return 0.0 };
         let mass_kg = [known.trailer_mass_kg, known.trailer_mass_sd_kg];
-        // That of the turns: at the present one, of a truck that stands, the design says nothing.
-        let nominal_mps = self.estimator.design().nominal_speed_mps;
-        let speed_mps = if self.height_mps.is_finite() { self.height_mps } else { nominal_mps };
+        let speed_mps = self.turns_mps();
         let by_mass_m = mass_sd_m(&self.estimator, speed_mps, mass_kg, height_m);
-        let left_out_m = self.doubt().map_or(0.0, |doubt| doubt.sd_m);
         let by_lean = self.leaning.height_sd(self.options.lean, known.trailer_mass_kg);
         let by_turns = libm::hypot(self.strength().sd, by_lean);
-        let (design, turn) = (self.estimator.design(), [speed_mps, known.trailer_mass_kg]);
+        let by_wind_m = self.by_wind(speed_mps).within();
+        [by_turns * height_m, self.beside_sd_m(), by_wind_m, self.part_sd_m()]
+            .into_iter()
+            .fold(by_mass_m, libm::hypot)
+    }
+
+    /// The part of it by maneuvers that were left out, the gains of inclinometers and the noise of a roll rate, at least that before
+    /// a restart with the same load: of its turns nothing else is known now.
+    pub(super) fn beside_sd_m(&self) -> f64 {
+        let Some(height_m) = self.known.height_m else { return self.kept_beside_m };
+        let left_out_m = self.doubt().map_or(0.0, |doubt| doubt.sd_m);
+        let (design, turn) =
+            (self.estimator.design(), [self.turns_mps(), self.known.trailer_mass_kg]);
         let by_sensors_m = self.estimator.best_channel().map_or(0.0, |channel| {
             let height = (channel, height_m);
             let by_tilts_m = self.tilts.height_sd_m(design, height, turn);
             libm::hypot(by_tilts_m, self.rated.height_sd_m(design, height, turn))
         });
-        let by_wind_m = self.by_wind(speed_mps).within();
-        [by_turns * height_m, left_out_m, by_sensors_m, by_wind_m, self.part_sd_m()]
-            .into_iter()
-            .fold(by_mass_m, libm::hypot)
+        libm::hypot(left_out_m, by_sensors_m).max(self.kept_beside_m)
+    }
+
+    /// The speed of the turns, m/s: at the present one, of a truck that stands, the design says nothing.
+    fn turns_mps(&self) -> f64 {
+        let nominal_mps = self.estimator.design().nominal_speed_mps;
+        if self.height_mps.is_finite() { self.height_mps } else { nominal_mps }
     }
 
     /// The part of a side wind in the height, m, at a speed, m/s.
