@@ -40,6 +40,8 @@ pub mod place;
 pub mod unscaled;
 pub mod lift_signal;
 pub mod can;
+/// Whether an input is sampled too seldom for its motion.
+mod seldom;
 pub mod log;
 pub mod estimate;
 pub mod web;

@@ -16,7 +16,6 @@
 //! | `values` | whether values are missing samples, or in steps as large as the signal |
 //! | `near_zero` | whether a signal has a dead band |
 //! | `range_end` | whether a signal is cut off at the end of a range |
-//! | `seldom` | whether an input is sampled too seldom for its motion |
 //! | `frozen` | whether an input repeats one value while the truck rolls |
 //! | `forces` | whether a specific force contains gravity |
 //! | `sensors` | these checks together |
@@ -58,7 +57,6 @@ mod pressures;
 mod near_zero;
 mod range_end;
 mod values;
-mod seldom;
 mod frozen;
 mod forces;
 mod sensors;

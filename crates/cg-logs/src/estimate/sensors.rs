@@ -9,9 +9,9 @@ use super::frozen::FrozenCheck;
 use super::levels::LevelCheck;
 use super::options::RoadChoice;
 use super::pressures::PressureCheck;
-use super::seldom::SeldomCheck;
 use super::signals::SignalCheck;
 use super::values::ValueCheck;
+use crate::seldom::SeldomCheck;
 use cg_vehicle::filled::FilledCheck;
 
 /// Time of driving after which the mean over a drive that goes on is judged, s.

@@ -8,6 +8,7 @@ use super::frames::FrameRows;
 use super::options::LogOptions;
 use super::roll_rate::RollAngles;
 use super::signal::{LogRow, Signal};
+use crate::seldom::SeldomCheck;
 
 /// Signals of a table that are none of frames and hold until they say something else.
 const HELD: [Signal; 3] =
@@ -16,6 +17,8 @@ const HELD: [Signal; 3] =
 /// Rows of a table on their way to samples.
 pub struct Preparation {
     rasters: Option<FrameRows>,
+    /// Sees the cells before they are aligned.
+    seldom: SeldomCheck,
     /// The time from which those of the rasters count, s: whole seconds at or before the first row.
     origin_s: f64,
     /// The last values of [`HELD`].
@@ -57,6 +60,7 @@ impl Preparation {
             .then(|| RollAngles::new(has(&Signal::Roll), has(&Signal::RollToGravity)));
         (rasters.is_some() || angles.is_some() || rate_unused.is_some()).then(|| Self {
             rasters,
+            seldom: SeldomCheck::default(),
             origin_s: f64::NAN,
             held: [f64::NAN; HELD.len()],
             angles,
@@ -97,6 +101,7 @@ impl Preparation {
                 let value = row.get(signal);
                 if let Some(quantity) = signal.quantity().filter(|_| !value.is_nan()) {
                     frames.push_value(quantity, time_us, value);
+                    self.seldom.push_cell((quantity, value), time_us);
                 }
             }
             let known = (self.origin_s, self.held);
@@ -133,6 +138,7 @@ impl Preparation {
                 "the channels have time stamps of their own and were aligned to those of the roll angle"
                     .to_owned(),
             );
+            remarks.extend(self.seldom.message());
         }
         remarks.extend(self.rate_unused.clone());
         remarks

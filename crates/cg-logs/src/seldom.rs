@@ -25,6 +25,9 @@ const INPUTS: [Input; 5] = [
 /// One input.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 struct Motion {
+    /// The time of the last cell.
+    #[serde(default)]
+    cell_us: Option<u64>,
     /// The last value, and the one before it.
     last: [Option<f64>; 2],
     /// Rows with two values before them; their sum, and that of their squares.
@@ -70,7 +73,7 @@ impl Motion {
 
 /// Checks all inputs.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
-pub(super) struct SeldomCheck {
+pub(crate) struct SeldomCheck {
     last_us: Option<u64>,
     /// Whether the last row was far enough from the one before.
     is_apart: bool,
@@ -79,7 +82,7 @@ pub(super) struct SeldomCheck {
 
 impl SeldomCheck {
     /// Takes the next sample.
-    pub(super) fn push(&mut self, sample: &Sample<f64>) {
+    pub(crate) fn push(&mut self, sample: &Sample<f64>) {
         let last_us = self.last_us.replace(sample.time_us);
         let is_close =
             last_us.is_none_or(|last_us| sample.time_us.saturating_sub(last_us) < CLOSE_US);
@@ -96,8 +99,21 @@ impl SeldomCheck {
         }
     }
 
+    /// Takes a cell of a table in which each channel has times of its own.
+    pub(crate) fn push_cell(&mut self, (quantity, value): (Quantity, f64), time_us: u64) {
+        let motions = self.of_inputs.iter_mut().zip(INPUTS);
+        for (motion, _) in motions.filter(|(_, (input, _))| *input == quantity) {
+            let before_us = motion.cell_us.replace(time_us);
+            if before_us.is_some_and(|us| time_us.saturating_sub(us) < CLOSE_US) {
+                motion.interrupt();
+            } else {
+                motion.push(value);
+            }
+        }
+    }
+
     /// The input of which most is missed, if it matters.
-    pub(super) fn message(&self) -> Option<String> {
+    pub(crate) fn message(&self) -> Option<String> {
         let found = self.of_inputs.iter().zip(INPUTS);
         let found = found.filter_map(|(motion, (input, _))| Some((motion.missed()?, input)));
         let (share, input) = found.max_by(|a, b| a.0.total_cmp(&b.0))?;
@@ -143,6 +159,26 @@ mod tests {
         // within two 10 s².
         let shown = check(500_000, 0.0).of_inputs[0].missed().unwrap();
         assert!((shown - 6.0 / 36.0 / 4.0).abs() < 1e-9, "{shown}");
+    }
+
+    /// The same whether an input comes in rows or in cells between those of others.
+    #[test]
+    fn cells_that_come_seldom_are_told_as_rows_are() {
+        for (step_us, is_told) in
+            [(500_000, true), (200_000, true), (100_000, false), (20_000, false)]
+        {
+            let mut cells = SeldomCheck::default();
+            for time_us in (0..20_000_000_u32).step_by(20_000) {
+                let time_s = f64::from(time_us) * 1e-6;
+                let phase = std::f64::consts::TAU * (time_s - 10.0) / 3.0;
+                let motion = if (10.0..13.0).contains(&time_s) { phase.sin() } else { 0.0 };
+                if time_us % step_us == 0 {
+                    cells.push_cell((Quantity::Steer, 0.02 * motion), u64::from(time_us));
+                }
+                cells.push_cell((Quantity::Roll, 0.03 * motion), u64::from(time_us));
+            }
+            assert_eq!(cells.message().is_some(), is_told, "{step_us}");
+        }
     }
 
     #[test]
