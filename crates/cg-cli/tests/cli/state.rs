@@ -260,6 +260,8 @@ fn a_height_that_is_hidden_stays_hidden_after_a_power_cut() {
 
 /// Logs one after the other, with half a minute between them; without the rows from a time on in each, s.
 fn joined(logs: &[&String], until_s: f64) -> String {
+    use std::fmt::Write;
+
     let (mut text, mut from_s) = (String::new(), 0.0);
     for log in logs {
         let part = part(log, until_s, true);
@@ -272,7 +274,7 @@ fn joined(logs: &[&String], until_s: f64) -> String {
         for row in rows.lines() {
             let (time_s, rest) = row.split_once(',').unwrap();
             last_s = time_s.parse::<f64>().unwrap();
-            text += &format!("{:.4},{rest}\n", from_s + last_s);
+            writeln!(text, "{:.4},{rest}", from_s + last_s).unwrap();
         }
         from_s += last_s + 30.0;
     }

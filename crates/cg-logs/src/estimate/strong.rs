@@ -47,23 +47,24 @@ pub struct StrongTurns {
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 struct Smooth {
     time_us: u64,
-    smooth_mps2: f64,
+    /// Smoothed.
+    now_mps2: f64,
     /// The greatest size since the last maneuver.
     greatest_mps2: f64,
 }
 
 impl Smooth {
     /// Takes a value, and returns the time since the one before, s; `None` if it is absent.
-    fn push(&mut self, time_us: u64, now_mps2: f64) -> Option<f64> {
-        if !now_mps2.is_finite() {
+    fn push(&mut self, time_us: u64, value_mps2: f64) -> Option<f64> {
+        if !value_mps2.is_finite() {
             return None;
         }
         #[allow(clippy::cast_precision_loss)] // 2^53 µs are 285 years
         let passed_s = time_us.saturating_sub(self.time_us) as f64 * 1e-6;
         self.time_us = time_us;
         let share = if passed_s > GAP_S { 1.0 } else { passed_s / (SMOOTH_S + passed_s) };
-        self.smooth_mps2 += share * (now_mps2 - self.smooth_mps2);
-        self.greatest_mps2 = self.greatest_mps2.max(self.smooth_mps2.abs());
+        self.now_mps2 += share * (value_mps2 - self.now_mps2);
+        self.greatest_mps2 = self.greatest_mps2.max(self.now_mps2.abs());
         Some(passed_s)
     }
 }
@@ -113,13 +114,13 @@ impl StrongTurns {
         steer.push(sample.time_us, steer_mps2);
         if sample.speed_mps.is_finite() {
             let best = self.signals.iter().find(|signal| signal.greatest_mps2 > 0.0);
-            let lateral_mps2 = best.map_or(0.0, |signal| signal.smooth_mps2);
+            let lateral_mps2 = best.map_or(0.0, |signal| signal.now_mps2);
             self.speed.push((sample.time_us, sample.speed_mps), lateral_mps2);
         }
         if let Some(passed_s) = passed_s {
             self.speed.by_yaw_rate = sample.lateral_acceleration_mps2.is_nan();
             if passed_s <= GAP_S {
-                let path_mps2 = self.signals[0].smooth_mps2.abs();
+                let path_mps2 = self.signals[0].now_mps2.abs();
                 self.path_squares += passed_s * path_mps2 * path_mps2;
                 self.path_cubes += passed_s * path_mps2 * path_mps2 * path_mps2;
             }
@@ -216,6 +217,9 @@ impl StrongTurns {
 mod tests {
     use super::*;
     use crate::estimate::trial::{MASS_KG, design, maneuver};
+
+    /// Puts a lateral acceleration, m/s², into a sample.
+    type Show<'a> = dyn Fn(&mut Sample<f64>, f64) + 'a;
 
     fn reached(rate_hz: u32, seconds: u32, lateral_mps2: impl Fn(f64) -> f64) -> StrongTurns {
         let mut turns = StrongTurns::default();
@@ -384,7 +388,7 @@ mod tests {
     fn whatever_shows_a_turn_shows_how_strong_it_is() {
         let design = design();
         let by_roll = 1.0 + 0.04 * design.gravity_mps2;
-        let strength = |every: u32, show: &dyn Fn(&mut Sample<f64>, f64)| {
+        let strength = |every: u32, show: &Show| {
             let mut turns = StrongTurns::default();
             for k in 0..1000_u32 {
                 let since_s = f64::from(k) / 50.0 - 8.0;
@@ -405,7 +409,7 @@ mod tests {
         };
         let usual = strength(1, &|sample, mps2| sample.lateral_acceleration_mps2 = mps2);
         assert!(usual.greatest > 0.6 && (usual.braking_mps2 - 0.5).abs() < 0.01, "{usual:?}");
-        let shows: [(u32, &dyn Fn(&mut Sample<f64>, f64)); 7] = [
+        let shows: [(u32, &Show); 7] = [
             (25, &|sample, mps2| sample.lateral_acceleration_mps2 = mps2),
             (1, &|sample, mps2| sample.yaw_rate_radps = mps2 / sample.speed_mps),
             (1, &|sample, mps2| sample.lateral_specific_force_mps2 = by_roll * mps2),
