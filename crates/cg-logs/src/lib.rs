@@ -40,7 +40,6 @@ pub mod place;
 pub mod unscaled;
 pub mod lift_signal;
 pub mod can;
-/// Whether an input is sampled too seldom for its motion.
 mod seldom;
 pub mod log;
 pub mod estimate;

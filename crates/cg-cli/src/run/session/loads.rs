@@ -96,9 +96,12 @@ impl<W: Write> Session<W> {
     }
 
     /// The part of the load that came or went since the turns before a restart, kg, by the last mass, or that which is given now.
+    /// More than a part is another load, whose height is hidden.
     fn part_since_kg(&self, last_kg: f64) -> f64 {
-        let change_kg = (self.trailer_mass_kg.unwrap_or(last_kg) - self.turn_kg).abs();
-        if change_kg > PART * self.turn_kg { change_kg } else { 0.0 }
+        let mass_kg = self.trailer_mass_kg.unwrap_or(last_kg);
+        let change_kg = (mass_kg - self.turn_kg).abs();
+        let is_part = change_kg > PART * self.turn_kg && !is_other_load(mass_kg, self.turn_kg);
+        if is_part { change_kg } else { 0.0 }
     }
 
     /// Hides a height that was hidden before a restart: that of another mass than the last one, or one that turns contradicted.
