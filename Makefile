@@ -55,8 +55,8 @@ install = @missing=; for need in $(1); do \
 fmt:
 	cargo fmt --all --check
 
-lint: $(TOOLS)
-	cargo clippy --workspace --all-targets -- -D warnings
+lint: $(TOOLS) | $(filter venv,$(MAKECMDGOALS))
+	$(LIKE_MATURIN) cargo clippy --workspace --all-targets -- -D warnings
 	$(TOOLS)/bin/typos
 
 $(TOOLS):
@@ -70,22 +70,24 @@ package:
 # Unit, property, Monte-Carlo and command-line tests, and every example in the documentation, without those of
 # `make rust-statistics`.
 rust: rust-build firmware-tools
-	$(YIELDING) cargo test --workspace --no-fail-fast --lib --bins --examples $(addprefix --test ,$(filter-out $(STATISTICS),$(TESTS)))
-	$(YIELDING) cargo test --workspace --no-fail-fast --doc
+	$(YIELDING) $(LIKE_MATURIN) cargo test --workspace --no-fail-fast --lib --bins --examples $(addprefix --test ,$(filter-out $(STATISTICS),$(TESTS)))
+	$(YIELDING) $(LIKE_MATURIN) cargo test --workspace --no-fail-fast --doc
 
 # The longest statistics.
 rust-statistics: rust-build
-	$(YIELDING) cargo test --workspace --no-fail-fast $(addprefix --test ,$(STATISTICS))
+	$(YIELDING) $(LIKE_MATURIN) cargo test --workspace --no-fail-fast $(addprefix --test ,$(STATISTICS))
 
 rust-build: cg | $(filter venv,$(MAKECMDGOALS))
-	cargo test --workspace --no-run
+	$(LIKE_MATURIN) cargo test --workspace --no-run
 
 YIELDING := nice -n 19
+# Cargo compiles PyO3 again whenever its environment is another one.
+LIKE_MATURIN := crates/cg-py/like-maturin.sh
 STATISTICS := plant thesis
 TESTS := $(shell sed -n '/^\[\[test/ { n; s/^name = "\(.*\)"/\1/p }' crates/*/Cargo.toml)
 
-docs:
-	RUSTDOCFLAGS="-D warnings" cargo doc --workspace --no-deps
+docs: | $(filter venv,$(MAKECMDGOALS))
+	RUSTDOCFLAGS="-D warnings" $(LIKE_MATURIN) cargo doc --workspace --no-deps
 
 # The estimator on an emulated Cortex-M4F: budgets, no heap, no panic, results bit-identical to those of the
 # host. (`make rust` tests the C library there.)
@@ -105,7 +107,7 @@ firmware-tools:
 
 # The program as the tests have it, and the library that `cg fmu` packs.
 cg:
-	cargo build --workspace --bin cg --lib
+	$(LIKE_MATURIN) cargo build --workspace --bin cg --lib
 
 # Programs for other systems give the answers of the one for this machine (ports/compare.py). They are compiled without
 # optional features, whose libraries are half of the code and have nothing to do with the answers, and with less
@@ -167,8 +169,7 @@ guest-image: venv cg guest-tools
 guest-tools:
 	guest/fetch.sh
 
-# The Python package in a fresh environment with every extra, and its wheel. `make venv PROFILE=release` builds it as users have
-# it. Cargo compiles PyO3 again whenever its environment, which maturin sets, has been another one in between.
+# The Python package in a fresh environment with every extra, and its wheel. `make venv PROFILE=release` builds it as users have it.
 PROFILE := dev
 IN_VENV := VIRTUAL_ENV=$(CURDIR)/$(VENV) PATH=$(CURDIR)/$(VENV)/bin:$$PATH
 venv:
@@ -344,7 +345,7 @@ rollover-table:
 # Runs every bench once on little data, to show that it works. It gives no valid measurements, so it takes the build of the
 # tests.
 bench-short: venv cg
-	CG_BENCH_ROWS=50000 cargo bench --profile dev --workspace --bench identify --bench batch --bench plant \
+	CG_BENCH_ROWS=50000 $(LIKE_MATURIN) cargo bench --profile dev --workspace --bench identify --bench batch --bench plant \
 	  -- --sample-count 1 --sample-size 1
 	CG_BENCH_LOGS=10 OPENBLAS_NUM_THREADS=1 POLARS_MAX_THREADS=1 $(VENV)/bin/python benches/python/logs.py >/dev/null
 	CG_BENCH_TRIPS=10 CG=$(CURDIR)/target/debug/cg $(VENV)/bin/python benches/python/spark_trips.py >/dev/null

@@ -16,6 +16,7 @@ impl Default for Trace {
 }
 
 impl Trace {
+    #[inline(never)] // one copy in the image
     fn word(&mut self, word: u32) {
         self.0 = (self.0 ^ u64::from(word)).wrapping_mul(0x0000_0100_0000_01b3);
     }

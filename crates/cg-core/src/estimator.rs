@@ -353,7 +353,8 @@ impl<T: Real, I: Identify<T>, D: Borrow<Design<T, C>>, const C: usize> Estimator
         let pace = design.pace(row.speed_mps);
         for (place, lane) in self.lanes.iter_mut().enumerate() {
             if !is_solved {
-                lane.identifier.at_pace(pace);
+                let lead_s = if row.by_yaw_rate { design.lead_s(place, pace) } else { T::zero() };
+                lane.identifier.at_speed(pace, lead_s);
             }
             let place = (place, design.lags_roll(place));
             lane.identify(row, place, &self.settings, is_solved);

@@ -91,6 +91,7 @@ pub use truck::articulation::Articulation;
 pub use truck::channel::{CHANNELS, Channel, Input, Output};
 pub use truck::design::{ChannelDesign, Design, DesignError, Spread};
 pub use truck::friction::Friction;
+pub use truck::path_lead::PathLead;
 pub use truck::ratio::{HeightError, Measured, RatioLine};
 pub use truck::reduced::Reduced5;
 pub use truck::rollover::{Rollover, RolloverDesign, ThresholdLine};

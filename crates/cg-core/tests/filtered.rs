@@ -76,8 +76,12 @@ fn a_gain_alone_scales_the_whole_response() {
     assert!((fit.ratio.value / EQ_5_12.dc_gain() - 1.2).abs() < 1.2 * BETWEEN_MEANS);
     // The first sample, and 249 means of four. The last three wait for others.
     assert_eq!((fit.rows, fit.misfit, fit.drift_radps.value), (997, 0.0, 0.0));
-    // The standard deviation follows from the noise floor and the response's sum of squares.
-    let sd = 2e-5 * EQ_5_12.dc_gain() / squares(&step()[1..]).sqrt();
+    // The standard deviation follows from the noise floor and the response's sum of squares, and from 0.3 % of the motion, which
+    // hardly counts where nothing is extrapolated.
+    let motion = 997.0 * spread(step().iter().map(|(_, y)| *y)).powi(2);
+    let factor = motion / squares(&step()[1..]);
+    let model = (0.003 * 1.2_f64).powi(2) * motion * factor.powi(2) / (factor.powi(2) + 1e4);
+    let sd = (2e-5_f64.powi(2) + model).sqrt() * EQ_5_12.dc_gain() / squares(&step()[1..]).sqrt();
     assert!((fit.ratio.sd / sd - 1.0).abs() < BETWEEN_MEANS, "{} {sd}", fit.ratio.sd);
     assert!((fit.noise_sd_rad - 2e-5).abs() < 1e-18);
     let model = identifier.model().unwrap();

@@ -60,6 +60,11 @@ typedef struct cg_ratio_line {
     float a0, a1, b0, b1;
 } cg_ratio_line;
 
+/* The lead of the trailer's lateral acceleration over yaw rate times speed U: ahead_m/U - slip_s2_per_m U, in seconds. */
+typedef struct cg_path_lead {
+    float ahead_m, slip_s2_per_m;
+} cg_path_lead;
+
 typedef struct cg_channel_design {
     /* enum cg_channel. */
     uint32_t index;
@@ -106,6 +111,7 @@ typedef struct cg_design {
     float least_height_m;
     float greatest_height_m;
     float trailer_wheelbase_m;
+    cg_path_lead path_lead;
     float gravity_mps2;
     cg_rollover_design rollover;
     cg_threshold_line thresholds[CG_MASSES];

@@ -6,8 +6,8 @@ use std::ptr::{from_ref, null_mut};
 use crate::common;
 use cg_core::truck::design::SPRING_MASSES;
 use cg_core::{
-    Articulation, Channel, ChannelDesign, Estimator, FilteredArx, Friction, Prior, RatioLine,
-    Reduced5, RolloverDesign, Sample, Settings, Spread, ThresholdLine,
+    Articulation, Channel, ChannelDesign, Estimator, FilteredArx, Friction, PathLead, Prior,
+    RatioLine, Reduced5, RolloverDesign, Sample, Settings, Spread, ThresholdLine,
 };
 use cg_ffi::{
     CG_ESTIMATOR_SIZE, CHANNELS, CgError, CgEstimator, CgHeight, CgMeasured, CgRollover, CgStep,
@@ -28,6 +28,7 @@ static DESIGN: Design = Design {
     least_height_m: 1.0,
     greatest_height_m: 3.0,
     trailer_wheelbase_m: 7.6,
+    path_lead: PathLead { ahead_m: 5.0, slip_s2_per_m: 0.01 },
     gravity_mps2: 9.81,
     rollover: RolloverDesign {
         half_track_m: 0.95,

@@ -131,7 +131,9 @@ fn a_roll_rate_alone_gives_heights_whose_intervals_hold() {
         // Of 40 intervals of 95 %, 38 hold with a standard deviation of 1.4, and the root mean square of as many normal
         // numbers is 1 with one of 0.11; three of them each.
         assert!(n == 40 && held >= 34, "{name}: {held} of {n}");
-        assert!((0.67..1.33).contains(&distance), "{name}: {distance}");
+        // They are exact to 2 %; the interval also allows for dynamics that differ from the model by 20 %, which these do not.
+        assert!(noisy < 0.02, "{name}: {noisy}");
+        assert!((0.4..1.33).contains(&distance), "{name}: {distance}");
     }
 }
 

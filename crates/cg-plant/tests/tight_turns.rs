@@ -99,7 +99,7 @@ fn by_yaw_rate(rows: &[LogRow]) -> Vec<LogRow> {
 /// channel. In the turns of 15 m the tractor's pair gives none, and elsewhere a few cases may not.
 #[test]
 fn intervals_hold_in_turns_of_a_yard() {
-    let mut heights = 0;
+    let (mut heights, mut missed) = (0, 0);
     println!(
         "| truck, axis of the tractor, in its file | load | radius | channel | error | stated sd |"
     );
@@ -148,14 +148,16 @@ fn intervals_hold_in_turns_of_a_yard() {
                     let sd = found.height_sd_m.unwrap() / cg_height_m;
                     println!("| {case} | {:+.1} % | {:.1} % |", 100.0 * error, 100.0 * sd);
                     let [low, high] = found.height_ci95_m.unwrap();
-                    assert!(low < cg_height_m && cg_height_m < high, "{case}: {low} to {high}");
+                    missed += usize::from(!(low < cg_height_m && cg_height_m < high));
                 }
             }
         }
     }
     // Ten loads, four turns, five cases each. Others have a message, most often that the roll angle of a steady turn stood still.
-    println!("{heights} of 200");
+    println!("{heights} of 200, {missed} miss");
     assert!(heights >= 160, "{heights}");
+    // Of 160 intervals of 95 %, eight may. The one that does is the tractor's in a turn of 15 m, by 0.3 % of the height.
+    assert!(missed <= 2, "{missed}");
 }
 
 /// Roundabouts to both sides, one after the other, each entered and left within most of its radius.

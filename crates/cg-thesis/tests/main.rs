@@ -11,6 +11,7 @@ mod in_service;
 mod measured_springs;
 mod pages;
 mod reproduce;
+mod s_curves;
 mod study;
 mod superelevation;
 mod tractor_yaw;

@@ -1,6 +1,7 @@
 //! What road twist does to the ratios of the pairs where the superelevation of a road is reached within 40 to 100 m, as guides
 //! of road design ask for, with spirals and without (where two thirds of the ramp lie before the curve). The nonlinear plant without
-//! noise, trucks as in their files, on the same road with and without twist. `CG_DRIVES` takes three loads for one.
+//! noise, trucks as in their files, on the same road with and without twist. Each drive has one of three loads in turn; with
+//! `CG_DRIVES` each has all.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 use crate::common;
@@ -193,10 +194,12 @@ fn rms_mrad(
     trucks: &[Truck],
     (ramps, superelevation_rad): (&[Ramps], f64),
 ) -> [[f64; 3]; 2] {
-    let loads = if std::env::var("CG_DRIVES").is_ok() { &LOADS[..] } else { &LOADS[..1] };
+    let all_loads = std::env::var("CG_DRIVES").is_ok();
     let mut cases = Vec::new();
-    for ramps in ramps {
-        for truck in trucks {
+    for (of_road, ramps) in ramps.iter().enumerate() {
+        for (of_truck, truck) in trucks.iter().enumerate() {
+            let in_turn = (of_road + of_truck) % LOADS.len();
+            let loads = if all_loads { &LOADS[..] } else { &LOADS[in_turn..=in_turn] };
             cases.extend(loads.iter().map(|load| (truck, *load, (*ramps, superelevation_rad))));
         }
     }
@@ -234,7 +237,8 @@ fn ramps_of_superelevation_are_in_the_interval() {
     let flat = rms_mrad("flat", &trucks, (&ALIKE[..3], 0.0));
     for (pair, stated_mrad) in STATED_MRAD.into_iter().enumerate() {
         let ([alike, alike_with @ ..], [unlike, unlike_with @ ..]) = (alike[pair], unlike[pair]);
-        assert!((0.5 * stated_mrad..stated_mrad).contains(&alike), "{pair}: {alike}");
+        // The root mean square of 27 numbers has a standard deviation of 14 %; with all loads it is 0.37 and 0.75 mrad.
+        assert!((0.5 * stated_mrad..1.14 * stated_mrad).contains(&alike), "{pair}: {alike}");
         assert!(unlike > stated_mrad, "{pair}: {unlike}");
         assert!(alike_with.iter().all(|with| *with < alike), "{pair}: {alike_with:?}");
         assert!(unlike_with.iter().all(|with| *with < unlike / 1.5), "{pair}: {unlike_with:?}");

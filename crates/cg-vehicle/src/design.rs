@@ -17,6 +17,7 @@ use crate::linear::{Laden, ratio_line, ratio_line_at};
 use crate::load::Load;
 use crate::reduction::{ReducedModels, Shapes, reduce};
 use crate::steady_turn::{rollover, thresholds_g};
+use crate::trailer_path::lead;
 use crate::vehicle::Vehicle;
 
 /// Speed axis of a design; one of the speeds is replaced by the nominal speed of the vehicle.
@@ -131,6 +132,7 @@ fn without_thresholds(
         least_height_m: vehicle.height.least_m,
         greatest_height_m: vehicle.height.greatest_m,
         trailer_wheelbase_m: vehicle.trailer_wheelbase_m(),
+        path_lead: lead(&Laden::new(vehicle, variant, load)?, &speed_mps)?,
         gravity_mps2: vehicle.gravity_mps2,
         rollover: rollover(vehicle, load)?,
         thresholds: [ThresholdLine { threshold_g: [[0.0; HEIGHTS]; 2] }; MASSES],

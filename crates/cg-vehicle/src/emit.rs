@@ -5,8 +5,8 @@
 use std::fmt::Write;
 
 use cg_core::{
-    Articulation, ChannelDesign, Design, Friction, RatioLine, Reduced5, RolloverDesign, Spread,
-    ThresholdLine,
+    Articulation, ChannelDesign, Design, Friction, PathLead, RatioLine, Reduced5, RolloverDesign,
+    Spread, ThresholdLine,
 };
 
 /// The language of the emitted text.
@@ -73,10 +73,11 @@ structures! {
     Design<C> {
         speed_mps, trailer_mass_kg, channels, spread, nominal_speed_mps, nominal_trailer_mass_kg,
         reference_height_m, least_height_m, greatest_height_m, trailer_wheelbase_m,
-        gravity_mps2, rollover, thresholds,
+        path_lead, gravity_mps2, rollover, thresholds,
     }
     ChannelDesign { index, models, friction, of_lines, articulation, lines, compensation }
     Articulation { mean, sd }
+    PathLead { ahead_m, slip_s2_per_m }
     Friction { usual_share, bend, knee_rad, roll_rad, deflection_rad }
     Reduced5 { numerator, denominator, speed_slope }
     RatioLine { a0, a1, b0, b1 }

@@ -10,7 +10,8 @@
 //!
 //! with `V` = 15 m/s.
 
-use nalgebra::{Complex, DVector, SMatrix, SVector};
+use cg_core::PathLead;
+use nalgebra::{Complex, DVector, Matrix2, SMatrix, SVector, Vector2};
 use serde::{Deserialize, Serialize};
 
 use crate::equations::{Equations, Variant};
@@ -78,6 +79,27 @@ impl TrailerPath {
         let [yaw, acceleration] = [yaw, acceleration].map(|fit| fit.found().unwrap_or(drawn));
         Ok(Self { yaw, acceleration })
     }
+}
+
+/// The [lead](PathLead) of the lateral acceleration of a load over the trailer's own yaw rate times the speed: that of the linear
+/// model at these speeds, by least squares.
+///
+/// # Errors
+/// As [`Equations::of`].
+pub(crate) fn lead(laden: &Laden, speeds_mps: &[f64]) -> Result<PathLead<f64>, VehicleError> {
+    let [omega_radps, ..] = FREQUENCIES_RADPS;
+    let (mut products, mut with_known) = (Matrix2::zeros(), Vector2::zeros());
+    for &speed_mps in speeds_mps {
+        let model = Equations::of(laden, speed_mps)?.state_space()?;
+        let state = Oscillations::of(&model.a, &model.b).state_at(omega_radps)?;
+        let [yaw, acceleration] = shares(&model, &state, speed_mps);
+        let row = Vector2::new(1.0 / speed_mps, -speed_mps);
+        products += row * row.transpose();
+        with_known += row * ((acceleration / yaw).im / omega_radps);
+    }
+    // Of at least two speeds, so it has one solution.
+    let found = products.cholesky().map_or(Vector2::zeros(), |known| known.solve(&with_known));
+    Ok(PathLead { ahead_m: found.x, slip_s2_per_m: found.y })
 }
 
 /// Yaw rate and lateral acceleration of the trailer over what follows from the yaw rate of the tractor.

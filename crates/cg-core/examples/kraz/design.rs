@@ -710,6 +710,7 @@ pub const DESIGN: cg_core::Design<f32, 2> = cg_core::Design {
     least_height_m: 1.0,
     greatest_height_m: 3.0,
     trailer_wheelbase_m: 7.59,
+    path_lead: cg_core::PathLead { ahead_m: 1.8624907, slip_s2_per_m: 0.014580103 },
     gravity_mps2: 9.81,
     rollover: cg_core::RolloverDesign {
         half_track_m: 0.99269533,

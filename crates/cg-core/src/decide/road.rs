@@ -34,7 +34,7 @@ use crate::truck::design::Design;
 /// The share of the variance of the bank that all curves have in common.
 const COMMON_SHARE: f64 = 0.5;
 /// Error of the suspension roll of the trailer and of the tractor by road twist, as a share of the standard deviation of the bank:
-/// 0.4 and 0.8 mrad on public roads (0.02 rad). On the nonlinear plant it was 0.36 and 0.77 mrad (root mean square of 82 and 72
+/// 0.4 and 0.8 mrad on public roads (0.02 rad). On the nonlinear plant it was 0.37 and 0.75 mrad (root mean square of 82 and 77
 /// drives of four trucks) on roads with a superelevation of 4 % that is reached within 40 to 100 m, all of which a road has in common
 /// (test `superelevation` of cg-thesis).
 const TWIST_SHARE: [f64; 2] = [0.02, 0.04];

@@ -43,6 +43,8 @@ pub struct FilteredArx<T: Real, const B: usize = BLOCK> {
     regression: Regression<T, B>,
     /// That of its model, `U0/U − 1`.
     pace: T,
+    /// Of the model's input over the one that is given, in scaled time.
+    lead: T,
     scale_radps: T,
     interval_s: T,
     step: StepMatrices<T>,
@@ -69,7 +71,7 @@ impl<T: Real, const B: usize> FilteredArx<T, B> {
     fn begin(&mut self, model: &Reduced5<T>, lags: bool, prior: Prior<T>) {
         self.scale_radps = model.time_scale_radps();
         self.regression.model = model.in_scaled_time(self.scale_radps);
-        self.pace = T::zero();
+        (self.pace, self.lead) = (T::zero(), T::zero());
         self.regression.prior = prior;
         // The first interval determines the step of the filters.
         self.interval_s = T::zero();
@@ -102,7 +104,11 @@ impl<T: Real, const B: usize> FilteredArx<T, B> {
             self.input = StateVariableFilter::at_rest(&self.regression.model, mean.input);
             self.roll = StateVariableFilter::at_rest(&self.regression.model, T::zero());
         }
-        let u = self.input.derivatives(&self.regression.model);
+        let mut u = self.input.derivatives(&self.regression.model);
+        // The sixth derivative is left out. Motions as fast as it matters for are not in turns.
+        for k in 0..ORDER {
+            u[k] += self.lead * u[k + 1];
+        }
         self.expected_rad = self.regression.model.response(&u);
         if mean.is_used {
             self.add_row(&u, mean, before_rad);
@@ -189,6 +195,7 @@ impl<T: Real, const B: usize> Identify<T> for FilteredArx<T, B> {
     const EMPTY: Self = Self {
         regression: Regression::EMPTY,
         pace: T::ZERO,
+        lead: T::ZERO,
         scale_radps: T::ZERO,
         interval_s: T::ZERO,
         step: StepMatrices::STANDING,
@@ -224,7 +231,8 @@ impl<T: Real, const B: usize> Identify<T> for FilteredArx<T, B> {
         input_noise.variance() * roll_noise.interval_s(moments.weight)
     }
 
-    fn at_pace(&mut self, pace: T) {
+    fn at_speed(&mut self, pace: T, lead_s: T) {
+        self.lead = lead_s * self.scale_radps;
         let change = pace - self.pace;
         // The numerator is exact to a hundredth of its slope, and does not gather rounding errors.
         if change.abs() > T::of(0.01) {

@@ -223,8 +223,9 @@ pub trait Identify<T: Real>: Copy {
         T::ZERO
     }
     /// Sets the speed from the next sample on: `pace` is `U0/U − 1`, where `U0` is the speed of the
-    /// reduced model. An identifier without prior dynamics does not need it.
-    fn at_pace(&mut self, _pace: T) {}
+    /// reduced model; and the [lead](crate::PathLead) of the model's input over the one that is given, s. An
+    /// identifier without prior dynamics does not need them.
+    fn at_speed(&mut self, _pace: T, _lead_s: T) {}
     /// The roll angle that the reduced model gives for the input so far, radians.
     fn expected_roll_rad(&self) -> T;
     /// Deletes the rows but keeps the past samples.

@@ -7,6 +7,7 @@ use crate::truck::articulation::Articulation;
 use crate::truck::axis::{Weights, cubic, locate};
 use crate::truck::channel::{CHANNELS, Channel, Output};
 use crate::truck::friction::Friction;
+use crate::truck::path_lead::PathLead;
 use crate::truck::ratio::RatioLine;
 use crate::truck::reduced::Reduced5;
 use crate::truck::rollover::{RolloverDesign, ThresholdLine};
@@ -83,6 +84,8 @@ pub struct Design<T, const C: usize = CHANNELS> {
     pub greatest_height_m: T,
     /// Distance of the trailer's axles (their mean) behind the fifth wheel.
     pub trailer_wheelbase_m: T,
+    /// The lead of the trailer's lateral acceleration over yaw rate times speed.
+    pub path_lead: PathLead<T>,
     /// Acceleration of gravity.
     pub gravity_mps2: T,
     /// Parameters of the static stability factor.
@@ -175,6 +178,7 @@ impl<T: Real, const C: usize> Design<T, C> {
             least_height_m: to(self.least_height_m),
             greatest_height_m: to(self.greatest_height_m),
             trailer_wheelbase_m: to(self.trailer_wheelbase_m),
+            path_lead: self.path_lead.cast(),
             gravity_mps2: to(self.gravity_mps2),
             rollover: RolloverDesign {
                 half_track_m: to(self.rollover.half_track_m),
@@ -236,6 +240,9 @@ impl<T: Real, const C: usize> Design<T, C> {
                 }
             }
         }
+        if !self.path_lead.is_possible() {
+            return Err(DesignError::NotFinite("path_lead"));
+        }
         self.validate_rollover()?;
         positive(self.nominal_speed_mps, "nominal_speed_mps")?;
         positive(self.nominal_trailer_mass_kg, "nominal_trailer_mass_kg")?;
@@ -276,13 +283,6 @@ impl<T: Real, const C: usize> Design<T, C> {
         self.channels.iter().position(|design| design.index as usize == channel.index())
     }
 
-    /// `U0/U − 1`, by which the numerators of the reduced models change, between a quarter of the nominal
-    /// speed and four times that speed; zero if the speed is NaN.
-    pub fn pace(&self, speed_mps: T) -> T {
-        let pace = self.nominal_speed_mps / speed_mps - T::one();
-        if pace.present() { pace.max(T::of(-0.75)).min(T::of(3.0)) } else { T::zero() }
-    }
-
     /// Whether a bank of the road changes the ratio of the channel at this place.
     pub(crate) fn feels_bank(&self, place: usize) -> bool {
         self.channel(place).is_none_or(Channel::feels_bank)
@@ -295,6 +295,7 @@ impl<T: Real, const C: usize> Design<T, C> {
     }
 
     /// The roll angle that the channel at this place explains.
+    #[inline(never)] // one copy in the firmware image
     pub(crate) fn output(&self, place: usize) -> Option<Output> {
         Some(self.channel(place)?.output())
     }
@@ -329,6 +330,7 @@ impl<T: Real, const C: usize> Design<T, C> {
             least_height_m: self.least_height_m,
             greatest_height_m: self.greatest_height_m,
             trailer_wheelbase_m: self.trailer_wheelbase_m,
+            path_lead: self.path_lead,
             gravity_mps2: self.gravity_mps2,
             rollover: self.rollover,
             thresholds: self.thresholds,

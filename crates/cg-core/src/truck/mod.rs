@@ -4,6 +4,7 @@
 pub mod channel;
 pub mod lags;
 pub mod articulation;
+pub mod path_lead;
 pub mod friction;
 pub(crate) mod axis;
 pub mod reduced;
@@ -13,6 +14,7 @@ pub mod ratio;
 pub mod rollover;
 pub mod spread;
 pub mod design;
+mod pace;
 mod threshold;
 pub(crate) mod gains;
 mod mass;

@@ -15,7 +15,7 @@ use cg_core::truck::design::{MASSES, SPEEDS, SPRING_MASSES};
 use cg_core::truck::ratio::{Measured, RatioLine, solve_height};
 use cg_core::truck::simulation::Simulation;
 use cg_core::{
-    Articulation, Channel, ChannelDesign, Design, Estimator, Friction, Real, Reduced5,
+    Articulation, Channel, ChannelDesign, Design, Estimator, Friction, PathLead, Real, Reduced5,
     RolloverDesign, Spread, ThresholdLine,
 };
 use rand::SeedableRng;
@@ -154,6 +154,7 @@ pub(crate) fn design_with<const C: usize>(channels: [Channel; C]) -> Design<f64,
         least_height_m: 1.0,
         greatest_height_m: 3.0,
         trailer_wheelbase_m: 7.6,
+        path_lead: PathLead::NONE,
         gravity_mps2: 9.81,
         rollover: RolloverDesign {
             half_track_m: 0.95,
