@@ -59,6 +59,14 @@ fn a_number_that_must_be_positive_is_named() {
 }
 
 #[test]
+fn a_lead_must_be_finite() {
+    assert_eq!(with(|d| &mut d.path_lead.ahead_m, f64::NAN), Err(NotFinite("path_lead")));
+    let slip: Place = |d| &mut d.path_lead.slip_s2_per_m;
+    assert_eq!(with(slip, f64::INFINITY), Err(NotFinite("path_lead")));
+    assert_eq!(with(slip, -0.01), Ok(()));
+}
+
+#[test]
 fn an_axis_that_does_not_increase_is_named() {
     for (name, place) in AXES {
         assert_eq!(with(place, f64::NAN), Err(NotFinite(name)));

@@ -93,6 +93,35 @@ fn a_gain_alone_scales_the_whole_response() {
     }
 }
 
+/// The roll angle of a truck whose input leads the one that is given, by half a second.
+#[test]
+fn the_lead_of_the_input_is_in_the_model() {
+    const LEAD_S: f64 = 0.5;
+    let data = step();
+    let led: Vec<(f64, f64)> = data
+        .windows(3)
+        .map(|three| {
+            let rising = (three[2].1 - three[0].1) / (2.0 * INTERVAL_S);
+            (three[1].0, three[1].1 + LEAD_S * rising)
+        })
+        .collect();
+    let with = |lead_s: f64| {
+        let mut identifier = FilteredArx::new(&EQ_5_12, GAIN_ALONE);
+        for mean in means(&led, INTERVAL_S) {
+            identifier.at_speed(0.0, lead_s);
+            identifier.push_mean(&mean);
+        }
+        ready(identifier.fit())
+    };
+    let known = with(LEAD_S);
+    assert!((known.ratio.value / EQ_5_12.dc_gain() - 1.0).abs() < 3.0 * BETWEEN_MEANS);
+    // The angle comes earlier by as much as it grows in half a second: a gain of 4 % more and a residual of 7 % of the angle. The lead
+    // without its sixth derivative leaves less than a tenth of that, at the end of the half cosine.
+    let unknown = with(0.0);
+    assert!(unknown.ratio.value / EQ_5_12.dc_gain() > 1.03 && unknown.noise_sd_rad > 2e-3);
+    assert!(known.noise_sd_rad < 0.1 * unknown.noise_sd_rad, "{known:?} {unknown:?}");
+}
+
 #[test]
 fn the_excitation_is_what_the_input_moves() {
     let data = step();

@@ -226,6 +226,25 @@ mod tests {
         }
     }
 
+    /// Between the speeds at which it was fitted, at the frequency of turns.
+    #[test]
+    fn the_lead_is_that_of_the_model() {
+        let truck = truck();
+        let laden = Laden::new(&truck, Variant::Complete, truck.reference_load()).unwrap();
+        let found = lead(&laden, &[6.0, 10.0, 15.0, 25.0]).unwrap();
+        // What follows its path is near the axles, so the c.g. is ahead of it by less than the wheelbase.
+        assert!((0.0..truck.trailer_wheelbase_m()).contains(&found.ahead_m), "{found:?}");
+        for speed_mps in [8.0, 13.0, 20.0] {
+            let model = Equations::of(&laden, speed_mps).unwrap().state_space().unwrap();
+            let state = Oscillations::of(&model.a, &model.b).state_at(0.5).unwrap();
+            let [yaw, acceleration] = shares(&model, &state, speed_mps);
+            let lead_s = found.ahead_m / speed_mps - found.slip_s2_per_m * speed_mps;
+            let rest = (Complex::new(1.0, 0.5 * lead_s) - acceleration / yaw).norm_sqr().sqrt();
+            // The interval between two means at 25 Hz.
+            assert!(rest < 0.5 * 0.04, "{speed_mps} m/s: {rest}");
+        }
+    }
+
     /// Between the speeds and frequencies at which it was fitted, what it leaves of the difference of both motions is less than a
     /// tenth, in turns and lane changes at usual speeds.
     #[test]
