@@ -3,6 +3,7 @@
 use cg_core::Quantity;
 use cg_logs::log::{LogOptions, LogRow, Plausibility, Preparation, Rasters, Signal};
 use cg_vehicle::Variant;
+use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -10,7 +11,7 @@ use crate::error::{in_python, value_error, vehicle_error};
 use crate::log::table;
 use crate::options::word;
 use crate::reading::log_options;
-use crate::signals::{any_columns, borrowed, columns};
+use crate::signals::{ROLL_GAIN_SD, any_columns, borrowed, columns};
 use crate::vehicle::Vehicle;
 
 /// What a table needs before its rows are samples: channels of different rasters are aligned, and a roll
@@ -63,7 +64,13 @@ pub(crate) fn prepare<'py>(
     let doubts = plausibility.iter().flat_map(Plausibility::remarks);
     let remarks = preparation.remarks().into_iter().chain(doubts);
     let remarks = remarks.map(|remark| in_python(&remark)).collect();
-    Ok(Some((table(py, &rows)?, remarks)))
+    let table = table(py, &rows)?;
+    // For an estimate; a table that is only looked at has signals alone.
+    if vehicle.is_some() && rows.iter().any(|row| row.roll_gain_sd > 0.0) {
+        let gains = rows.iter().map(|row| row.roll_gain_sd);
+        table.set_item(ROLL_GAIN_SD, PyArray1::from_iter(py, gains))?;
+    }
+    Ok(Some((table, remarks)))
 }
 
 /// The SI column of a signal, and what values of a measured channel are multiplied by to be in its unit.

@@ -33,10 +33,14 @@ pub(crate) fn slice<'a>(name: &str, array: &'a PyReadonlyArrayDyn<'_, f64>) -> P
     })
 }
 
+/// The column of [`LogRow::roll_gain_sd`], which only prepared tables have.
+pub(crate) const ROLL_GAIN_SD: &str = "roll_gain_sd";
+
 /// The columns of a log in memory: an optional slice for each of [`Signal::ALL`].
 pub(crate) struct Columns<'a> {
     values: [Option<&'a [f64]>; Signal::COUNT],
     time_s: &'a [f64],
+    roll_gain_sd: Option<&'a [f64]>,
 }
 
 impl<'a> Columns<'a> {
@@ -55,7 +59,7 @@ impl<'a> Columns<'a> {
                 )));
             }
         }
-        Ok(Self { values: *values, time_s })
+        Ok(Self { values: *values, time_s, roll_gain_sd: None })
     }
 
     /// The signals that the log has.
@@ -74,7 +78,13 @@ impl<'a> Columns<'a> {
     }
 
     pub(crate) fn row(&self, index: usize) -> LogRow {
-        LogRow::from_values(self.values_of(index))
+        self.with_gain(index, LogRow::from_values(self.values_of(index)))
+    }
+
+    /// The row with what [`prepare`](crate::prepare::prepare) knows of its roll angle.
+    fn with_gain(&self, index: usize, row: LogRow) -> LogRow {
+        let roll_gain_sd = self.roll_gain_sd.map_or(row.roll_gain_sd, |values| values[index]);
+        LogRow { roll_gain_sd, ..row }
     }
 
     /// A row whose time and values are [in order](Self::check).
@@ -102,7 +112,7 @@ impl<'a> Columns<'a> {
         let mut values = self.values_of(index);
         self.check(index, &LogRow::from_values(values))?;
         plausibility.check(quantities, &mut values, || Position::Row(index as u64 + 1));
-        Ok(LogRow::from_values(values))
+        Ok(self.with_gain(index, LogRow::from_values(values)))
     }
 
     /// Passes all rows to an estimator, and returns the remarks about their values.
@@ -183,14 +193,18 @@ pub(crate) fn signal(keyword: &str) -> PyResult<Signal> {
     })
 }
 
-pub(crate) type Borrowed<'py> = [Option<PyReadonlyArrayDyn<'py, f64>>; Signal::COUNT];
+pub(crate) type Borrowed<'py> = [Option<PyReadonlyArrayDyn<'py, f64>>; Signal::COUNT + 1];
 
 /// The arrays of a dict whose keys are SI column names.
 pub(crate) fn borrowed<'py>(signals: &Bound<'py, PyDict>) -> PyResult<Borrowed<'py>> {
-    let mut arrays = [const { None }; Signal::COUNT];
+    let mut arrays = [const { None }; Signal::COUNT + 1];
     for (name, value) in signals {
         let array = value.extract::<PyReadonlyArrayDyn<'py, f64>>()?;
-        arrays[signal(name.extract()?)? as usize] = Some(array);
+        let place = match name.extract()? {
+            ROLL_GAIN_SD => Signal::COUNT,
+            name => signal(name)? as usize,
+        };
+        arrays[place] = Some(array);
     }
     Ok(arrays)
 }
@@ -217,7 +231,9 @@ pub(crate) fn any_columns<'a>(arrays: &'a Borrowed<'_>) -> PyResult<Columns<'a>>
     for ((value, array), signal) in values.iter_mut().zip(arrays).zip(Signal::ALL) {
         *value = array.as_ref().map(|array| slice(signal.column(), array)).transpose()?;
     }
-    Columns::new(&values)
+    let roll_gain_sd = arrays[Signal::COUNT].as_ref();
+    let roll_gain_sd = roll_gain_sd.map(|array| slice(ROLL_GAIN_SD, array)).transpose()?;
+    Ok(Columns { roll_gain_sd, ..Columns::new(&values)? })
 }
 
 /// Estimate from a dict of SI column names to 1-D contiguous float64 arrays.

@@ -45,6 +45,16 @@ def rate(log, offset_degps, drift_degps_per_min, mounting_deg) -> np.ndarray:
 FAULTS = [(0.0, 0.0, 0.0), (0.1, 0.0, 0.0), (0.5, 0.0, 1.0), (-0.5, 0.1, -1.0)]
 
 
+def test_a_table_has_the_interval_of_its_file(truck, clean, tmp_path):
+    log = {**clean, "roll_rate_radps": rate(clean, *FAULTS[3])}
+    del log["roll_rad"]
+    path = tmp_path / "rate.csv"
+    columns = np.column_stack(list(log.values()))
+    np.savetxt(path, columns, delimiter=",", header=",".join(log), comments="", fmt="%.12g")
+    of_table, of_file = (cgheight.estimate_log(one, vehicle=truck) for one in (log, path))
+    assert of_table.height_ci95_m == pytest.approx(of_file.height_ci95_m, rel=1e-6)
+
+
 @pytest.mark.parametrize("fault", FAULTS)
 def test_a_rate_alone_gives_an_interval_that_holds(fault, truck, clean):
     log = {**clean, "roll_rate_radps": rate(clean, *fault)}
