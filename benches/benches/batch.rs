@@ -1,5 +1,5 @@
 //! The work of `cg estimate` on a long CSV file, compared with its named peer: only parsing the
-//! same file with the csv crate. The drive is at 100 Hz, of which four rows make a mean, and at 50 Hz, of which two do.
+//! same file with the csv crate. The drive is at 100 Hz, of which eight rows make a mean, and at 50 Hz, of which four do.
 //! `CG_BENCH_ROWS` sets the rows, 10 million by default.
 #![allow(missing_docs, clippy::unwrap_used)]
 

@@ -25,7 +25,7 @@ from trips import VEHICLE, simulated
 
 LOGS = int(os.environ.get("CG_BENCH_LOGS", "300"))
 DURATION_S = 120.0
-# Of a slow logger every sample is a row of the regression, of a fast one four make a mean.
+# Of a slow logger every sample is a row of the regression, of a fast one eight make a mean.
 RATES_HZ = (20.0, 100.0)
 ORDER, DELAY = 5, 0
 ROUNDS = 3

@@ -112,7 +112,7 @@ pub fn replay(mut told: impl FnMut(&Maneuver, &Onboard)) -> Trace {
     let mut aligner =
         Aligner::new(AlignSettings { steering_ratio: Some(STEERING_RATIO), ..AlignSettings::NONE });
     let mut estimator =
-        Onboard::new(&DESIGN, Settings::truck().on_road(0.0).light(), Prior::standard());
+        Onboard::new(&DESIGN, Settings::truck().on_road(0.0).spread(), Prior::standard());
     let mut trace = Trace::default();
     for sample in log::samples() {
         for frame in frames(&sample, STEERING_RATIO) {

@@ -60,7 +60,7 @@ pub fn replay(
     clock: impl Fn() -> u32,
     mut told: impl FnMut(&Maneuver, Option<Height<f32>>),
 ) -> Report {
-    let settings = Settings::truck().light();
+    let settings = Settings::truck().spread();
     let mut estimator = Onboard::new(design, settings, Prior::standard());
     let mut report = Report::default();
     let (mut mass_kg, mut speed_mps) = (design.nominal_trailer_mass_kg, f32::NAN);

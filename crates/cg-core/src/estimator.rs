@@ -98,9 +98,9 @@ impl<T: Real, I: Identify<T>, D: Borrow<Design<T, C>>, const C: usize> Estimator
         }
     }
 
-    /// From now on with the [settings for a microcontroller](Settings::light).
+    /// From now on with the [settings for a microcontroller](Settings::spread).
     pub fn lighten(&mut self) {
-        self.settings = self.settings.light();
+        self.settings = self.settings.spread();
     }
 
     /// The design of the truck.

@@ -1,6 +1,6 @@
 //! Tests of [`FilteredArx`]: drift, bend, misfit, weight of rows, and data without an answer.
 
-#![allow(clippy::unwrap_used, clippy::panic)] // helpers of tests
+#![allow(clippy::unwrap_used, clippy::panic, clippy::cast_precision_loss)] // helpers of tests
 
 use crate::common::{EQ_5_12, means, rounded_step_response};
 use cg_core::identify::mean::Mean;
@@ -16,7 +16,7 @@ const INTERVAL_S: f64 = 0.01;
 /// Only the gain is free, and the noise floor is the last digit of a sensor, more than [`BETWEEN_MEANS`] of
 /// the roll angle.
 const GAIN_ALONE: Prior<f64> =
-    Prior { dynamics_sd: 0.0, noise_floor_rad: 2e-5, offset_sd_rad: 0.0, drift_sd_radps: 0.0 };
+    Prior { dynamics_sd: 0.0, noise_floor_rad: 8e-5, offset_sd_rad: 0.0, drift_sd_radps: 0.0 };
 
 fn pushed(prior: Prior<f64>, data: &[(f64, f64)]) -> FilteredArx<f64> {
     let mut identifier = FilteredArx::new(&EQ_5_12, prior);
@@ -53,13 +53,17 @@ fn bent(law: impl Fn(f64, f64) -> f64) -> Vec<(f64, f64)> {
     step().into_iter().zip(time_s).map(|((u, y), t)| (u, law(t, y))).collect()
 }
 
-/// A line between means over τ = 40 ms misses a signal of ω = π/4 rad/s, the half cosine of [`drive`], by
+/// A line between means over τ = 80 ms misses a signal of ω = π/4 rad/s, the half cosine of [`drive`], by
 /// `(ω τ)²/12` of it.
-const BETWEEN_MEANS: f64 = 8.3e-5;
+const BETWEEN_MEANS: f64 = 3.3e-4;
 
-/// The sum of the squares of the roll angle in means of four samples, which the estimator makes at 100 Hz.
+/// Number of samples in a mean, which the estimator makes at 100 Hz.
+const TOGETHER: usize = 8;
+
+/// The sum of the squares of the roll angle in means of samples.
 fn squares(rows: &[(f64, f64)]) -> f64 {
-    rows.chunks_exact(4).map(|mean| mean.iter().map(|(_, y)| y).sum::<f64>().powi(2) / 4.0).sum()
+    let sums = rows.chunks_exact(TOGETHER).map(|mean| mean.iter().map(|(_, y)| y).sum::<f64>());
+    sums.map(|sum| sum.powi(2) / TOGETHER as f64).sum()
 }
 
 /// Standard deviation √(Σ (y − ȳ)²/n).
@@ -74,16 +78,16 @@ fn a_gain_alone_scales_the_whole_response() {
     let mut identifier = pushed(GAIN_ALONE, &bent(|_, y| 1.2 * y));
     let fit = ready(identifier.fit());
     assert!((fit.ratio.value / EQ_5_12.dc_gain() - 1.2).abs() < 1.2 * BETWEEN_MEANS);
-    // The first sample, and 249 means of four. The last three wait for others.
-    assert_eq!((fit.rows, fit.misfit, fit.drift_radps.value), (997, 0.0, 0.0));
+    // The first sample, and 124 means of eight. The last seven wait for others.
+    assert_eq!((fit.rows, fit.misfit, fit.drift_radps.value), (993, 0.0, 0.0));
     // The standard deviation follows from the noise floor and the response's sum of squares, and from 0.3 % of the motion, which
     // hardly counts where nothing is extrapolated.
-    let motion = 997.0 * spread(step().iter().map(|(_, y)| *y)).powi(2);
+    let motion = 993.0 * spread(step().iter().map(|(_, y)| *y)).powi(2);
     let factor = motion / squares(&step()[1..]);
     let model = (0.003 * 1.2_f64).powi(2) * motion * factor.powi(2) / (factor.powi(2) + 1e4);
-    let sd = (2e-5_f64.powi(2) + model).sqrt() * EQ_5_12.dc_gain() / squares(&step()[1..]).sqrt();
+    let sd = (8e-5_f64.powi(2) + model).sqrt() * EQ_5_12.dc_gain() / squares(&step()[1..]).sqrt();
     assert!((fit.ratio.sd / sd - 1.0).abs() < BETWEEN_MEANS, "{} {sd}", fit.ratio.sd);
-    assert!((fit.noise_sd_rad - 2e-5).abs() < 1e-18);
+    assert!((fit.noise_sd_rad - 8e-5).abs() < 1e-18);
     let model = identifier.model().unwrap();
     for (found, known) in model.numerator.iter().zip(EQ_5_12.numerator) {
         assert!((found - 1.2 * known).abs() < 1.2 * BETWEEN_MEANS * known.abs());
@@ -126,12 +130,12 @@ fn the_lead_of_the_input_is_in_the_model() {
 fn the_excitation_is_what_the_input_moves() {
     let data = step();
     let identifier = pushed(GAIN_ALONE, &data);
-    let means = data[1..].chunks_exact(4);
-    let means = means.map(|four| four.iter().map(|(u, _)| u).sum::<f64>() / 4.0);
-    // All but the first sample have the weight of four.
-    let inputs = spread(means.flat_map(|mean| [mean; 4]).chain([data[0].0]));
+    let means = data[1..].chunks_exact(TOGETHER);
+    let means = means.map(|mean| mean.iter().map(|(u, _)| u).sum::<f64>() / TOGETHER as f64);
+    // All but the first sample have the weight of eight.
+    let inputs = spread(means.flat_map(|mean| [mean; TOGETHER]).chain([data[0].0]));
     assert!((identifier.excitation_rad() / (inputs * EQ_5_12.dc_gain()) - 1.0).abs() < 1e-9);
-    let roll = data[993..997].iter().map(|(_, y)| y).sum::<f64>() / 4.0;
+    let roll = data[985..993].iter().map(|(_, y)| y).sum::<f64>() / TOGETHER as f64;
     assert!((identifier.expected_roll_rad() / roll - 1.0).abs() < BETWEEN_MEANS);
 }
 
@@ -141,8 +145,8 @@ fn without_rows_or_without_motion_there_is_no_answer() {
         Answer::Unexcited(Unexcited::TooFewRows { rows }) => Some(rows),
         _ => None,
     };
-    // The first sample, and means of four.
-    assert_eq!((few(12), few(13), few(17)), (Some(9), None, None));
+    // The first sample, and means of eight.
+    assert_eq!((few(16), few(17), few(25)), (Some(9), None, None));
     let still = vec![(0.01, 0.01); 500];
     assert_eq!(pushed(GAIN_ALONE, &still).fit(), Answer::Unexcited(Unexcited::Input));
     let mut cleared = pushed(GAIN_ALONE, &step());
@@ -154,7 +158,12 @@ fn without_rows_or_without_motion_there_is_no_answer() {
 /// hardly affects the drift.
 #[test]
 fn a_drift_is_told_from_the_turn() {
-    let prior = Prior { offset_sd_rad: f64::INFINITY, drift_sd_radps: 3e-4, ..GAIN_ALONE };
+    let prior = Prior {
+        offset_sd_rad: f64::INFINITY,
+        drift_sd_radps: 3e-4,
+        noise_floor_rad: 2e-5,
+        ..GAIN_ALONE
+    };
     // What the means miss of 0.042 rad in ten seconds.
     let drift = BETWEEN_MEANS * 0.042 / 10.0;
     let mut identifier = pushed(prior, &bent(|t, y| y + 0.3 + 2e-4 * t));
@@ -232,7 +241,7 @@ fn forgetting_halves_the_weight_of_what_was() {
     identifier.forget(0.5);
     let more: Vec<_> = more.iter().map(|&(u, y)| (u, 1.1 * y)).collect();
     let both: Vec<_> = first.iter().chain(&more).copied().collect();
-    for mean in &means(&both, INTERVAL_S)[251..] {
+    for mean in &means(&both, INTERVAL_S)[126..] {
         identifier.push_mean(mean);
     }
     let (before, after) = (0.5 * squares(&first[1..]), squares(&data[1001..]));
@@ -249,10 +258,10 @@ fn rows_that_do_not_count_only_move_the_filters() {
     let data: Vec<_> =
         (0..).zip(step()).map(|(k, (u, y))| (u, if k > 300 { y } else { 9.0 })).collect();
     for (k, mean) in means(&data, INTERVAL_S).into_iter().enumerate() {
-        identifier.push_mean(&Mean { is_used: k > 75, ..mean });
+        identifier.push_mean(&Mean { is_used: k > 38, ..mean });
     }
     let fit = ready(identifier.fit());
-    assert_eq!(fit.rows, 696);
+    assert_eq!(fit.rows, 688);
     assert!((fit.ratio.value / EQ_5_12.dc_gain() - 1.0).abs() < BETWEEN_MEANS);
 }
 

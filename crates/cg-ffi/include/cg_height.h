@@ -301,9 +301,8 @@ int32_t cg_estimator_init(cg_estimator *estimator, size_t estimator_size, const 
 int32_t cg_estimator_init_on_road(cg_estimator *estimator, size_t estimator_size,
                                   const cg_design *design, size_t design_size, float bank_sd_rad);
 
-/* For a small microcontroller, after one of the functions above: a sample needs a quarter fewer instructions
- * (samples are averaged over 60 instead of 40 ms), and the solution at the end of a maneuver is spread over the
- * next samples, two of its eleven stages each. Its result comes up to a tenth of a second later at 100 samples per second, and
+/* For a small microcontroller, after one of the functions above: the solution at the end of a maneuver is spread
+ * over the next samples, two of its eleven stages each. Its result comes up to a tenth of a second later at 100 samples per second, and
  * these samples are in no maneuver. Heights differ by less than their noise.
  * Errors: CG_NULL_POINTER, CG_MISALIGNED, CG_NOT_INITIALISED. */
 int32_t cg_estimator_lighten(cg_estimator *estimator);

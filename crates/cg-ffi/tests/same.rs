@@ -124,7 +124,7 @@ proptest! {
         if light {
             // SAFETY: an initialized estimator.
             prop_assert_eq!(unsafe { cg_estimator_lighten(&raw mut for_c) }, CgError::Ok as i32);
-            settings = settings.light();
+            settings = settings.spread();
         }
         let mut ours = Estimator::<f32, FilteredArx<f32>, &Design, CHANNELS>::new(
             &DESIGN, settings, Prior::standard());

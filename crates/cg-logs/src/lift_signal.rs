@@ -28,7 +28,15 @@ pub struct LiftSignal {
 impl LiftSignal {
     /// Takes a value, NaN if there is none, at a time, s. The position that it says now. The first one counts `at_once`, or when it
     /// has been said for as long as any other.
+    #[inline]
     pub fn push(&mut self, value: f64, now_s: f64, at_once: bool) -> Option<LiftAxle> {
+        if value.is_nan() && self.next.is_none() {
+            return self.position; // as in nearly all rows
+        }
+        self.hear(value, now_s, at_once)
+    }
+
+    fn hear(&mut self, value: f64, now_s: f64, at_once: bool) -> Option<LiftAxle> {
         match LiftAxle::of_value(value) {
             Some(said) => {
                 self.count(now_s);

@@ -110,7 +110,7 @@ def test_a_log_of_one_turn_has_a_line_over_the_turn(kraz, turn, tmp_path):
     part = drive[drive.time_s < drive.time_s.iloc[-1] / 2]
     # The last samples may wait for others to be averaged with.
     while (
-        cgheight.estimate_log(part, vehicle=kraz).maneuvers[-1].end_s < part.time_s.iloc[-1] - 0.05
+        cgheight.estimate_log(part, vehicle=kraz).maneuvers[-1].end_s < part.time_s.iloc[-1] - 0.09
     ):
         part = part[:-50]
     times = plot.height(part, vehicle=kraz).axes[0].get_lines()[0].get_xdata()

@@ -210,7 +210,7 @@ mod tests {
         (time_us, next): (u64, &Seen<f64>),
         samples: u32,
     ) -> Option<Together<f64, Seen<f64>>> {
-        let most = Most { samples, mean_us: 40_400 };
+        let most = Most { samples, mean_us: 80_400 };
         let before = neighbors.ends_before(time_us, next, most).then(|| neighbors.take());
         neighbors.add(time_us, next);
         before.or_else(|| neighbors.is_complete(most).then(|| neighbors.take()))
@@ -239,10 +239,16 @@ mod tests {
     }
 
     #[test]
-    fn a_mean_is_complete_after_four_hundredths_of_a_second_or_eight_samples() {
-        for (interval_us, each) in
-            [(100_000, 1_u8), (40_000, 1), (30_000, 1), (20_000, 2), (10_000, 4), (1000, 8)]
-        {
+    fn a_mean_is_complete_after_eight_hundredths_of_a_second_or_eight_samples() {
+        for (interval_us, each) in [
+            (100_000, 1_u8),
+            (50_000, 1),
+            (40_000, 2),
+            (25_000, 3),
+            (20_000, 4),
+            (10_000, 8),
+            (1000, 8),
+        ] {
             // The first sample is alone.
             let found = means(&regular(interval_us, 25), 8, |_, _| 0.0);
             assert_eq!(found.len(), 1 + 24 / usize::from(each));
@@ -258,10 +264,10 @@ mod tests {
         assert_eq!(means(&regular(1000, 17), 1, |_, _| 0.0).len(), 17);
     }
 
-    /// At 25 samples a second and less, nothing is changed.
+    /// At 20 samples a second and less, nothing is changed.
     #[test]
     fn a_single_sample_is_its_own_mean_to_the_last_bit() {
-        let times_us = regular(40_000, 9);
+        let times_us = regular(50_000, 9);
         let found = means(&times_us, 8, |k, _| if k < 4 { 0.7 } else { 0.1 });
         assert_eq!(found.len(), 9);
         for (k, (mean, time_us)) in found.iter().zip(&times_us).enumerate() {
@@ -329,8 +335,8 @@ mod tests {
             (30_000, f64::NAN),
             (40_000, 0.1),
             (50_000, 0.1),
-            (90_000, 0.1),
             (100_000, 0.1),
+            (110_000, 0.1),
         ] {
             let mean = push(&mut neighbors, (time_us, &seen(roll_rad, 0.0)), 8);
             numbers.extend(mean.map(|mean| (time_us, mean.last_us, mean.of.number)));
@@ -339,10 +345,10 @@ mod tests {
             (0, 0, 1),
             (20_000, 10_000, 1),
             (40_000, 30_000, 2),
-            (90_000, 50_000, 2),
-            (100_000, 90_000, 1),
+            (100_000, 50_000, 2),
+            (110_000, 100_000, 1),
         ];
         assert_eq!(numbers, expected);
-        assert_eq!(neighbors.take().last_us, 100_000);
+        assert_eq!(neighbors.take().last_us, 110_000);
     }
 }

@@ -4,12 +4,12 @@ use crate::math::real::Real;
 use crate::truck::reduced::{ORDER, Reduced5};
 
 /// Rows are averaged over this time to suppress faster noise (vibration, quantization). It is
-/// slightly below a round number, so that rounding does not decide which row is the last.
-const MEAN_S: f64 = 0.0996;
+/// slightly below that of a mean of neighboring samples, so that rounding does not decide which row is the last.
+const MEAN_S: f64 = 0.0796;
 
 /// Estimates the variance of white noise in a signal from second differences of its means over
-/// tenths of a second. Products of consecutive second differences have the mean
-/// `E[Δ²v Δ²v⁻] = −4 σ²/m` for means of `m` rows, whereas motion slower than 1.6 Hz makes them
+/// somewhat less than a tenth of a second. Products of consecutive second differences have the mean
+/// `E[Δ²v Δ²v⁻] = −4 σ²/m` for means of `m` rows, whereas motion slower than 2 Hz makes them
 /// positive. Neither motion nor vibration is therefore mistaken for noise.
 #[derive(Clone, Copy, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -79,7 +79,7 @@ impl<T: Real> InputNoise<T> {
         if variance > T::zero() { variance } else { T::zero() }
     }
 
-    /// Relative standard deviation of the variance: `√(6.125/n)` from `n` products, 18 % after 20 s. Second
+    /// Relative standard deviation of the variance: `√(6.125/n)` from `n` products, 16 % after 20 s. Second
     /// differences of white noise have the covariances 6, −4 and 1 (of its variance), whence that of two products
     /// `k` apart is `r_k² + r_{k+1} r_{k−1}`, and the sum of all of them is 98, divided by 4².
     pub(crate) fn doubt(&self) -> T {
@@ -115,13 +115,13 @@ mod tests {
 
     #[test]
     fn white_noise_is_measured_beneath_the_motion() {
-        // With 1000 means the error of the variance is some 7 %, here three of them.
+        // With 1250 means the error of the variance is some 7 %, here three of them.
         let sd = measured_sd(white);
         assert!((sd - 1.0).abs() < 0.105, "{sd}");
     }
 
     /// The standard deviation of 400 estimates from 20 s each, which is itself known to 1/√800 = 3.5 %, within three
-    /// times that. The products at the ends have fewer neighbors, which is 2 % in 200 means.
+    /// times that. The products at the ends have fewer neighbors, which is 2 % in 250 means.
     #[test]
     fn the_doubt_is_the_scatter_of_the_variance() {
         let [mut sum, mut squares, mut doubt] = [0.0; 3];
@@ -161,27 +161,27 @@ mod tests {
         assert!(vibration < 0.01, "{vibration}");
     }
 
-    /// Ten rows of each value: means 0, 0, 4, 0, 0. The second differences are 0, 0, 4, −8, 4. The
-    /// products of neighbors are 0, 0, −32, −32, with ten rows each; their sum is divided by four
+    /// Eight rows of each value: means 0, 0, 4, 0, 0. The second differences are 0, 0, 4, −8, 4. The
+    /// products of neighbors are 0, 0, −32, −32, with eight rows each; their sum is divided by four
     /// times their number.
     #[test]
     fn the_variance_is_that_of_the_means_by_hand() {
         let mut found = InputNoise::<f64>::new();
         assert!(found.variance() == 0.0);
         for value in [0.0, 0.0, 4.0, 0.0, 0.0] {
-            for _ in 0..10 {
+            for _ in 0..8 {
                 found.push(value, 1.0, 0.01);
             }
         }
-        assert!((found.variance() - 640.0 / 16.0).abs() < 1e-9);
+        assert!((found.variance() - 512.0 / 16.0).abs() < 1e-9);
         // Forgetting does not change the estimate, and new rows have more weight.
         found.forget(0.25);
-        assert!((found.variance() - 640.0 / 16.0).abs() < 1e-9);
-        for _ in 0..10 {
+        assert!((found.variance() - 512.0 / 16.0).abs() < 1e-9);
+        for _ in 0..8 {
             found.push(0.0, 1.0, 0.01);
         }
-        // The next second difference is 0: it adds nothing to the 160 of the products and one to
+        // The next second difference is 0: it adds nothing to the 128 of the products and one to
         // the count of 1.
-        assert!((found.variance() - 160.0 / 8.0).abs() < 1e-9);
+        assert!((found.variance() - 128.0 / 8.0).abs() < 1e-9);
     }
 }

@@ -87,7 +87,7 @@ impl<T: Real> Scatter<T> {
     /// slow errors of a model in the second alone.
     pub(crate) fn white_variance(&self, variance: T) -> T {
         let within = self.squares / self.freedom;
-        // This form of the comparison also serves without means (0/0), as at 25 samples a second.
+        // This form of the comparison also serves without means (0/0), as at 20 samples a second.
         if within < variance { within.max(T::zero()) } else { variance }
     }
 }

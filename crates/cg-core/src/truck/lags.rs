@@ -25,7 +25,7 @@ impl<T: Real> RollLags<T> {
 
     /// Advances to the next angle, `interval_s` after the previous one; returns it after both lags.
     pub fn push(&mut self, roll_rad: T, interval_s: T) -> T {
-        // By hand, for e^(−x) = (12 − 6x + x²)/(12 + 6x + x²), a Padé approximant that is wrong by 2e-6 at 40 ms.
+        // By hand, for e^(−x) = (12 − 6x + x²)/(12 + 6x + x²), a Padé approximant that is wrong by 4e-5 at 80 ms.
         let x = interval_s * T::of(1.0 / ROLL_LAG_S);
         let (twelve, six_x, square) = (T::of(12.0), T::of(6.0) * x, x * x);
         let below = T::one() / (twelve + six_x + square);
@@ -55,8 +55,8 @@ impl<T: Real> LateNoise<T> {
     /// is left after both lags, radians.
     ///
     /// At equal intervals `Δ`, white noise is in the distance from the line with the weights 1, −2 and 1. The lags
-    /// leave `Δ/(4 T)` of its variance. A sine of ω rad/s adds `(ω Δ)²/√12` of its amplitude: at 40 ms that of an
-    /// ordinary lane change (2 rad/s) is 0.2 %, of which the lags leave a quarter.
+    /// leave `Δ/(4 T)` of its variance. A sine of ω rad/s adds `(ω Δ)²/√12` of its amplitude: at 80 ms that of an
+    /// ordinary lane change (2 rad/s) is 0.7 %, of which the lags leave a third.
     pub(crate) fn push(&mut self, change_rad: T, interval_s: T) -> T {
         // This form of the comparison gives none for NaN.
         if !(interval_s > T::zero()) {

@@ -64,9 +64,9 @@ pub(crate) fn with_noise(clean: &[(f64, f64)], snr_db: f64, seed: u64) -> Vec<(f
 }
 
 /// The rows that the estimator makes of samples (input, roll angle) at equal intervals: the first one alone, then means over
-/// 40 ms, of eight samples at most. The last samples wait for others.
+/// 80 ms, of eight samples at most. The last samples wait for others.
 pub(crate) fn means<T: Real>(data: &[(T, T)], interval_s: f64) -> Vec<Mean<T>> {
-    let many = (1..8_usize).find(|&n| (n + 1) as f64 * interval_s > 0.0404).unwrap_or(8);
+    let many = (1..8_usize).find(|&n| (n + 1) as f64 * interval_s > 0.0804).unwrap_or(8);
     let (first, rest) = data.split_first().unwrap();
     let mut rows = vec![Mean::single(first.0, first.1, T::zero(), true)];
     let mut middle = 0.0;

@@ -113,6 +113,7 @@ impl Lift {
     /// Takes the value of the signal, NaN if there is none, at a time, s. If they have moved, the position to which they are to be
     /// [set](Self::set) is returned, after which nothing of the truck before is asked for. `has_heights` is whether a move discards
     /// any.
+    #[inline]
     pub fn hear(&mut self, value: f64, now_s: f64, has_heights: bool) -> Option<LiftAxle> {
         let at_once = self.other.is_some() && !has_heights;
         let position = self.signal.push(value, now_s, at_once)?;
