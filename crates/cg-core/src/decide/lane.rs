@@ -201,18 +201,19 @@ impl<T: Real, I: Identify<T>> Lane<T, I> {
     }
 
     /// What shows a roll angle that stands still: the measured one, and two views of the motion that
-    /// is expected, by the input and by the reduced model. The roll angle of a suspension (which does
-    /// not feel the bank) comes before its specific force; the same lag for both makes up for it.
+    /// is expected, by the input and by the reduced model. If that has lags, so has the measured one. The roll angle of a
+    /// suspension (which does not feel the bank) comes before its specific force; the same lag for both makes up for it.
     pub(crate) fn shows<const C: usize>(
         &self,
         row: &Row<T, C>,
         input_rad: T,
-        feels_bank: bool,
+        [feels_bank, lags]: [bool; 2],
     ) -> Shown<T> {
         let time_us = row.time_us;
         if feels_bank {
             let model_rad = self.identifier.expected_roll_rad();
-            let (roll_rad, step_rad) = (self.measured_rad, row.of.step_rad);
+            let roll_rad = if lags { self.lags.late_rad() } else { self.measured_rad };
+            let step_rad = row.of.step_rad;
             return Shown { time_us, roll_rad, step_rad, input_rad, model_rad };
         }
         let [model_rad, roll_rad] = self.view_rad;
@@ -244,7 +245,10 @@ pub(crate) fn shown<T: Real, I: Identify<T>, const C: usize>(
             let input_rad = row.expected_rad.get(place).copied().unwrap_or(T::absent());
             match first {
                 Some(Shown { input_rad: last, .. }) => *last = input_rad,
-                None => *first = Some(lane.shows(row, input_rad, design.feels_bank(place))),
+                None => {
+                    let of = [design.feels_bank(place), design.lags_roll(place)];
+                    *first = Some(lane.shows(row, input_rad, of));
+                }
             }
         }
     }
