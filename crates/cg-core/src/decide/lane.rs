@@ -243,12 +243,10 @@ pub(crate) fn shown<T: Real, I: Identify<T>, const C: usize>(
             && lane.last_us == Some(row.time_us)
         {
             let input_rad = row.expected_rad.get(place).copied().unwrap_or(T::absent());
+            let of = [design.feels_bank(place), design.lags_roll(place)];
             match first {
                 Some(Shown { input_rad: last, .. }) => *last = input_rad,
-                None => {
-                    let of = [design.feels_bank(place), design.lags_roll(place)];
-                    *first = Some(lane.shows(row, input_rad, of));
-                }
+                None => *first = Some(lane.shows(row, input_rad, of)),
             }
         }
     }

@@ -43,13 +43,19 @@ impl LogEstimator {
 
     /// What else a roll angle that comes after its input may be, if that is a yaw rate.
     fn or_ahead(&self, shown: Channel, last: Option<&Reject<f64>>) -> String {
-        let is_misfit = matches!(last, Some(Reject::Inconsistent(Inconsistency::Misfit { .. })));
+        // It also seems to stand still where it turns round, while the expected one still moves.
+        let is_late = matches!(
+            last,
+            Some(Reject::Inconsistent(
+                Inconsistency::Misfit { .. } | Inconsistency::Standstill { .. }
+            ))
+        );
         let by_yaw = shown == Channel::LateralAcceleration
             && self.seen.has(Quantity::YawRate)
             && !self.seen.has(Quantity::LateralAcceleration);
         let of_file = self.options.prepares.is_some_and(|truck| truck.yaw_on_tractor.is_some());
         let is_trailers = !self.preparation.has_tractor_yaw && !of_file;
-        let told = is_misfit && by_yaw && is_trailers;
+        let told = is_late && by_yaw && is_trailers;
         let text = "; or the yaw rate is that of the tractor: give it a column yaw_rate_on_tractor with 1, or [sensors.yaw_rate] \
                     on_tractor = true in the vehicle file";
         if told { text.to_owned() } else { String::new() }

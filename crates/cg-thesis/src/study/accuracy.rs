@@ -64,7 +64,7 @@ pub(super) fn study(setting: &Setting) -> Result<Study, VehicleError> {
         scenario.sensors.snr_db = Some(SNR_DB + 20.0 * libm::log10(louder));
         scenario
     })?;
-    let soon = time.iter().find(|(_, score)| score.rmse < 0.03).map(|(since_s, _)| *since_s);
+    let soon = good(&time).find(|(_, score)| score.rmse < 0.03).map(|(since_s, _)| *since_s);
     Ok(Study {
         name: setting.name,
         finding: match soon {
@@ -139,10 +139,14 @@ fn points(
     values.iter().map(score).collect()
 }
 
-/// Error, stated standard deviation and bound, only where most runs give a height.
+/// The points at which most runs give a height.
+fn good(points: &[(f64, Score)]) -> impl Iterator<Item = &(f64, Score)> {
+    points.iter().filter(|(_, score)| 2 * score.answered > RUNS)
+}
+
+/// Error, stated standard deviation and bound of the [good] points.
 fn series(points: &[(f64, Score)]) -> Vec<Series> {
-    let good = || points.iter().filter(|(_, score)| 2 * score.answered > RUNS);
-    let of = |value: fn(&Score) -> f64| good().map(|(x, score)| [*x, value(score)]).collect();
+    let of = |value: fn(&Score) -> f64| good(points).map(|(x, score)| [*x, value(score)]).collect();
     vec![
         Series::new("root mean square error", 0, of(|score| score.rmse)),
         Series::new("stated standard deviation", 1, of(|score| score.stated_sd)),
