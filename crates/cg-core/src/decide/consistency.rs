@@ -52,6 +52,7 @@ pub enum Inconsistency<T> {
 pub(crate) struct RollSensorCheck<T> {
     time_us: u64,
     lagged_rad: T,
+    model_rad: T,
     /// Least and greatest values since the roll angle has been constant: of the roll angle and of
     /// both expected angles. The mean of both expected ranges is used, because a wrong model
     /// overshoots where the truck does not, and the lag is late where a motion ends.
@@ -80,6 +81,8 @@ pub(crate) struct Shown<T> {
     /// The roll angle expected by the input, and by the reduced model.
     pub(crate) input_rad: T,
     pub(crate) model_rad: T,
+    /// By how much the latter is late, because the model has lags.
+    pub(crate) late_s: T,
 }
 
 impl<T: Real> RollSensorCheck<T> {
@@ -89,6 +92,7 @@ impl<T: Real> RollSensorCheck<T> {
         Self {
             time_us,
             lagged_rad: input_rad,
+            model_rad,
             constant_range_rad: [roll_rad; 2],
             expected_ranges_rad: [[input_rad; 2], [model_rad; 2]],
             input_range_rad: [input_rad; 2],
@@ -100,7 +104,7 @@ impl<T: Real> RollSensorCheck<T> {
 
     /// Adds the next row.
     pub(crate) fn push(&mut self, shown: &Shown<T>) {
-        let Shown { time_us, roll_rad, step_rad, input_rad, model_rad } = *shown;
+        let Shown { time_us, roll_rad, step_rad, input_rad, model_rad, late_s } = *shown;
         let interval_s: T = seconds(time_us.saturating_sub(self.time_us));
         self.time_us = time_us;
         self.lagged_rad += (input_rad - self.lagged_rad) * interval_s / (T::of(LAG_S) + interval_s);
@@ -109,7 +113,11 @@ impl<T: Real> RollSensorCheck<T> {
         {
             self.least_step_rad = step_rad;
         }
-        let expected_rad = [self.lagged_rad, model_rad];
+        // Where the roll angle turns round, one that is expected later would go on, as if the sensor stood still.
+        let change_rad = model_rad - core::mem::replace(&mut self.model_rad, model_rad);
+        let is_later = interval_s > T::zero();
+        let ahead_rad = if is_later { change_rad * late_s / interval_s } else { T::zero() };
+        let expected_rad = [self.lagged_rad, model_rad + ahead_rad];
         self.input_range_rad = extended(self.input_range_rad, self.lagged_rad);
         self.constant_range_rad = extended(self.constant_range_rad, roll_rad);
         if self.constant_range_rad[1] - self.constant_range_rad[0]
@@ -176,14 +184,16 @@ mod tests {
 
     impl Watch {
         fn new(time_us: u64, roll_rad: f64, input_rad: f64, model_rad: f64) -> Self {
-            let first = Shown { time_us, roll_rad, step_rad: None, input_rad, model_rad };
+            let late_s = 0.0;
+            let first = Shown { time_us, roll_rad, step_rad: None, input_rad, model_rad, late_s };
             Self { check: RollSensorCheck::new(&first), before_rad: roll_rad }
         }
 
         fn push(&mut self, time_us: u64, roll_rad: f64, input_rad: f64, model_rad: f64) {
             let step_rad = Some((roll_rad - self.before_rad).abs()).filter(|step| *step > 0.0);
             self.before_rad = roll_rad;
-            self.check.push(&Shown { time_us, roll_rad, step_rad, input_rad, model_rad });
+            let late_s = 0.0;
+            self.check.push(&Shown { time_us, roll_rad, step_rad, input_rad, model_rad, late_s });
         }
 
         fn standstill(&self, share: f64, noise_rad2_s: f64) -> Option<Inconsistency<f64>> {

@@ -8,6 +8,7 @@ use crate::decide::signals::seconds;
 use crate::identify::identifier::Identify;
 use crate::identify::mean::Mean;
 use crate::math::real::Real;
+use crate::truck::channel::ROLL_LAG_S;
 use crate::truck::design::Design;
 use crate::truck::friction::{Friction, FrictionState};
 use crate::truck::lags::{LateNoise, RollLags};
@@ -201,8 +202,8 @@ impl<T: Real, I: Identify<T>> Lane<T, I> {
     }
 
     /// What shows a roll angle that stands still: the measured one, and two views of the motion that
-    /// is expected, by the input and by the reduced model. If that has lags, so has the measured one. The roll angle of a
-    /// suspension (which does not feel the bank) comes before its specific force; the same lag for both makes up for it.
+    /// is expected, by the input and by the reduced model. The roll angle of a suspension (which does
+    /// not feel the bank) comes before its specific force; the same lag for both makes up for it.
     pub(crate) fn shows<const C: usize>(
         &self,
         row: &Row<T, C>,
@@ -212,14 +213,14 @@ impl<T: Real, I: Identify<T>> Lane<T, I> {
         let time_us = row.time_us;
         if feels_bank {
             let model_rad = self.identifier.expected_roll_rad();
-            let roll_rad = if lags { self.lags.late_rad() } else { self.measured_rad };
-            let step_rad = row.of.step_rad;
-            return Shown { time_us, roll_rad, step_rad, input_rad, model_rad };
+            let (roll_rad, step_rad) = (self.measured_rad, row.of.step_rad);
+            let late_s = if lags { T::of(2.0 * ROLL_LAG_S) } else { T::zero() };
+            return Shown { time_us, roll_rad, step_rad, input_rad, model_rad, late_s };
         }
         let [model_rad, roll_rad] = self.view_rad;
         let step_rad = self.view_step_rad.abs();
         let step_rad = (step_rad > T::zero()).then_some(step_rad);
-        Shown { time_us, roll_rad, step_rad, input_rad, model_rad }
+        Shown { time_us, roll_rad, step_rad, input_rad, model_rad, late_s: T::zero() }
     }
 
     /// Deletes the heights after a change of the load.

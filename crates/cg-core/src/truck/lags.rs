@@ -23,12 +23,6 @@ impl<T: Real> RollLags<T> {
         Self { angles_rad: [roll_rad; 3] }
     }
 
-    /// The last angle after both lags.
-    pub(crate) fn late_rad(&self) -> T {
-        let [_, _, late_rad] = self.angles_rad;
-        late_rad
-    }
-
     /// Advances to the next angle, `interval_s` after the previous one; returns it after both lags.
     pub fn push(&mut self, roll_rad: T, interval_s: T) -> T {
         // By hand, for e^(−x) = (12 − 6x + x²)/(12 + 6x + x²), a Padé approximant that is wrong by 4e-5 at 80 ms.
