@@ -42,10 +42,8 @@ pub struct Preparation {
     pub has_tractor_acceleration: bool,
     /// The last speed.
     speed_mps: f64,
-    /// The yaw rate of the trailer.
+    /// The yaw rate of the trailer. That the lateral acceleration of its c.g. leads it is known to the channel.
     yaw: Followed,
-    /// The yaw rate which times the speed is the lateral acceleration of the trailer.
-    path: Followed,
     acceleration: Followed,
     twist: TwistCorrection,
     spikes: Spikes,
@@ -59,7 +57,6 @@ impl Preparation {
             has_tractor_acceleration: false,
             speed_mps: nominal_speed_mps,
             yaw: Followed::default(),
-            path: Followed::default(),
             acceleration: Followed::default(),
             twist: TwistCorrection::default(),
             spikes: Spikes::default(),
@@ -108,12 +105,9 @@ impl Preparation {
         let mut yaw_rates = YawRates { tractor_radps: None, trailer_radps: measured_radps };
         let is_of_tractor = of.yaw_on_tractor.unwrap_or(self.has_tractor_yaw);
         if is_of_tractor && Quantity::YawRate.plausible(measured_radps) {
-            yaw_rates = YawRates {
-                tractor_radps: Some(measured_radps),
-                trailer_radps: self.yaw.follow(time_us, measured_radps, speed_mps, &path.yaw),
-            };
-            sample.yaw_rate_radps =
-                self.path.follow(time_us, measured_radps, speed_mps, &path.acceleration);
+            let trailer_radps = self.yaw.follow(time_us, measured_radps, speed_mps, &path.yaw);
+            yaw_rates = YawRates { tractor_radps: Some(measured_radps), trailer_radps };
+            sample.yaw_rate_radps = trailer_radps;
         }
         let lateral_mps2 = &mut sample.lateral_acceleration_mps2;
         if self.has_tractor_acceleration && Quantity::LateralAcceleration.plausible(*lateral_mps2) {
