@@ -180,19 +180,20 @@ mod tests {
     struct Watch {
         check: RollSensorCheck<f64>,
         before_rad: f64,
+        late_s: f64,
     }
 
     impl Watch {
         fn new(time_us: u64, roll_rad: f64, input_rad: f64, model_rad: f64) -> Self {
             let late_s = 0.0;
             let first = Shown { time_us, roll_rad, step_rad: None, input_rad, model_rad, late_s };
-            Self { check: RollSensorCheck::new(&first), before_rad: roll_rad }
+            Self { check: RollSensorCheck::new(&first), before_rad: roll_rad, late_s }
         }
 
         fn push(&mut self, time_us: u64, roll_rad: f64, input_rad: f64, model_rad: f64) {
             let step_rad = Some((roll_rad - self.before_rad).abs()).filter(|step| *step > 0.0);
             self.before_rad = roll_rad;
-            let late_s = 0.0;
+            let late_s = self.late_s;
             self.check.push(&Shown { time_us, roll_rad, step_rad, input_rad, model_rad, late_s });
         }
 
@@ -220,6 +221,28 @@ mod tests {
         assert_eq!(shown(|roll| roll), None);
         for step in [0.05, 0.2, 0.5] {
             assert_eq!(shown(|roll| (roll / step).round() * step), None, "{step}");
+        }
+    }
+
+    /// A lane change of three seconds after another, 2.1 rad/s. The lag of the input is 0.8 rad, from which it is ahead by 0.2, and the
+    /// model is late by 0.4 s, 0.84 rad. Where the roll angle turns round, within 2 % for 0.47 rad, both still move by a fifth of the
+    /// motion in the mean.
+    #[test]
+    fn a_roll_angle_that_turns_round_does_not_stand_still() {
+        let after = |late_s: f64, sensor: &dyn Fn(f64) -> f64| {
+            let mut check = Watch { late_s, ..Watch::new(0, 0.0, 0.0, 0.0) };
+            for k in 1..=1000_u32 {
+                let at = |ahead_rad: f64| (2.1 * 0.02 * f64::from(k) + ahead_rad).sin();
+                check.push(20_000 * u64::from(k), sensor(at(0.0)), at(0.2), at(-0.84));
+            }
+            check.standstill(0.15, 0.0)
+        };
+        assert_eq!(after(0.4, &|roll| roll), None);
+        assert!(after(0.0, &|roll| roll).is_some());
+        for sensor in
+            [|roll: f64| roll.clamp(-0.6, 0.6), |roll: f64| roll - roll.clamp(-0.25, 0.25)]
+        {
+            assert!(after(0.4, &sensor).is_some());
         }
     }
 
