@@ -118,7 +118,7 @@ typedef struct cg_design {
 } cg_design;
 
 /* Size of an estimator in bytes. */
-#define CG_ESTIMATOR_SIZE 5176
+#define CG_ESTIMATOR_SIZE 5208
 
 /* An estimator in memory of the caller, static or on a stack. Its contents are private. */
 typedef struct cg_estimator {

@@ -16,7 +16,7 @@ use cg_core::{Channel, Estimator, FilteredArx, Prior, Settings, Status, Step};
 pub use types::{CHANNELS, CgHeight, CgMeasured, CgOutcome, CgRollover, CgSample, CgStep};
 
 /// Size of an estimator in bytes, as in the header.
-pub const CG_ESTIMATOR_SIZE: usize = 5176;
+pub const CG_ESTIMATOR_SIZE: usize = 5208;
 
 /// The errors of the header, with the same numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -45,8 +45,8 @@ impl<T: Real> Acceleration<T> {
 #[cfg_attr(
     feature = "serde",
     serde(bound(
-        serialize = "T: serde::Serialize, [Option<RollSensorCheck<T>>; C]: serde::Serialize",
-        deserialize = "T: serde::Deserialize<'de>, [Option<RollSensorCheck<T>>; C]: serde::Deserialize<'de>"
+        serialize = "T: serde::Serialize, [RollSensorCheck<T>; C]: serde::Serialize",
+        deserialize = "T: serde::Deserialize<'de>, [RollSensorCheck<T>; C]: serde::Deserialize<'de>"
     ))
 )]
 pub(crate) struct Window<T, const C: usize> {
@@ -76,7 +76,7 @@ pub(crate) struct Window<T, const C: usize> {
     pub(crate) weight: T,
     /// One for each roll angle, at the place of its first channel. It starts with the first row,
     /// because a dead band shows at the beginning of a turn.
-    sensor_checks: [Option<RollSensorCheck<T>>; C],
+    sensor_checks: [RollSensorCheck<T>; C],
 }
 
 impl<T: Real, const C: usize> Window<T, C> {
@@ -99,7 +99,7 @@ impl<T: Real, const C: usize> Window<T, C> {
             inherits_mass: true,
             trailer_mass_kg: row.trailer_mass_kg,
             weight: T::zero(),
-            sensor_checks: [None; C],
+            sensor_checks: [RollSensorCheck::new(); C],
         }
     }
 
@@ -172,16 +172,14 @@ impl<T: Real, const C: usize> Window<T, C> {
 
     /// Adds a measured roll angle to the check at this place.
     pub(crate) fn look(&mut self, place: usize, shown: &Shown<T>) {
-        match self.sensor_checks.get_mut(place) {
-            Some(Some(check)) => check.push(shown),
-            Some(check) => *check = Some(RollSensorCheck::new(shown)),
-            None => {}
+        if let Some(check) = self.sensor_checks.get_mut(place) {
+            check.push(shown);
         }
     }
 
     /// The check of the roll angle at this place.
     pub(crate) fn watch(&self, place: usize) -> Option<&RollSensorCheck<T>> {
-        self.sensor_checks.get(place)?.as_ref()
+        self.sensor_checks.get(place).filter(|check| check.has_begun())
     }
 }
 
