@@ -60,6 +60,7 @@ impl LogEstimator {
         let best = self.best_maneuver(shown);
         if let (Some(fused), Some(best)) = (together.height, best) {
             estimate.messages.extend(self.assumed_flat(shown, &fused));
+            estimate.messages.extend(self.entry.message());
             estimate.messages.extend(self.unconfirmed().map(str::to_owned));
             self.answer(&mut estimate, shown, &fused, &best);
         }

@@ -8,6 +8,7 @@ use cg_core::{
 use serde::{Deserialize, Serialize};
 
 use super::engine::Engine;
+use super::entry::Entry;
 use super::felt::felt_mps2;
 use super::kept::Kept;
 use super::leaning::Leaning;
@@ -108,6 +109,7 @@ pub struct LogEstimator {
     pub(super) preparation: Preparation,
     pub(super) left_out: LeftOut,
     pub(super) unheard: Unheard,
+    pub(super) entry: Entry,
     pub(super) stop: SinceStop,
     pub(super) maneuvers: Vec<Maneuver<f64>>,
     /// What else is kept of each of them.
@@ -183,6 +185,7 @@ impl LogEstimator {
             preparation: Preparation::at(design.nominal_speed_mps),
             left_out: LeftOut::default(),
             unheard: Unheard::default(),
+            entry: Entry::default(),
             stop: SinceStop::default(),
             maneuvers: Vec::new(),
             kept: Vec::new(),
@@ -210,7 +213,7 @@ impl LogEstimator {
         self.sensors.close(true);
         (self.leaning, self.strong) = (Leaning::default(), StrongTurns::default());
         (self.rated, self.left_out) = (Rated::default(), LeftOut::default());
-        self.windward = Windward::default();
+        (self.windward, self.entry) = (Windward::default(), Entry::default());
         (self.unheard, self.stop) = (Unheard::default(), SinceStop::default());
         self.recorder = None;
     }
@@ -317,6 +320,7 @@ impl LogEstimator {
             self.windward.push(sample, step.status, &self.design);
         }
         self.stop.push(sample, &self.engine);
+        self.entry.push(last_us, step.status);
         if step.status == Status::Absent {
             self.absent_rows += u64::from(of.number);
         }

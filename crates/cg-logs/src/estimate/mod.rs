@@ -48,6 +48,7 @@ mod known;
 mod answer;
 mod positions;
 mod engine;
+mod entry;
 mod pair;
 mod signals;
 mod agreement;
