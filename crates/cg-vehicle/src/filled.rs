@@ -33,7 +33,7 @@ const SHARE: f64 = 0.02;
 const GAP_US: u64 = 250_000;
 /// After this many samples only the first ones of each block are judged: they say the same for less.
 const ALL: u64 = 8192;
-const BLOCK: u64 = 2048;
+const BLOCK: u64 = 4096;
 const OF_BLOCK: u64 = 256;
 /// Differences that are less are none.
 const SAME: f64 = 1e-9;

@@ -14,47 +14,60 @@ const STAYS_US: u64 = 200_000;
 /// Time without a value after which any is taken, s.
 const GAP_S: f64 = 0.5;
 
-/// The angles that are looked at.
-const ANGLES: [fn(&mut Sample<f64>) -> &mut f64; 5] = [
-    |sample| &mut sample.steer_rad,
-    |sample| &mut sample.roll_rad,
-    |sample| &mut sample.roll_to_gravity_rad,
-    |sample| &mut sample.suspension_roll_rad,
-    |sample| &mut sample.tractor_suspension_roll_rad,
-];
+/// Number of angles that are looked at.
+const ANGLES: usize = 5;
+
+/// Where they are in a sample.
+#[inline]
+fn angles(sample: &mut Sample<f64>) -> [&mut f64; ANGLES] {
+    let Sample {
+        steer_rad,
+        roll_rad,
+        roll_to_gravity_rad,
+        suspension_roll_rad,
+        tractor_suspension_roll_rad,
+        ..
+    } = sample;
+    [steer_rad, roll_rad, roll_to_gravity_rad, suspension_roll_rad, tractor_suspension_roll_rad]
+}
 
 /// What is known of an angle.
-#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 struct Angle {
-    /// Time and value of the last one that was taken.
-    taken: Option<(u64, f64)>,
+    /// Time and value of the last one that was taken; NaN if there is none.
+    taken_us: u64,
+    taken_rad: f64,
     /// When others came after it that were left out, and the last of them.
     left_out: Option<(u64, f64)>,
+}
+
+impl Default for Angle {
+    fn default() -> Self {
+        Self { taken_us: 0, taken_rad: f64::NAN, left_out: None }
+    }
 }
 
 impl Angle {
     /// Whether a value is to be taken. Nearly all are.
     #[inline]
     fn takes(&mut self, time_us: u64, value_rad: f64) -> bool {
-        let is_near =
-            self.taken.is_none_or(|(_, taken_rad)| (value_rad - taken_rad).abs() <= FAR_RAD);
+        let is_near = (value_rad - self.taken_rad).abs() <= FAR_RAD;
         let is_taken = is_near || self.takes_far(time_us, value_rad);
         if is_taken {
-            *self = Self { taken: Some((time_us, value_rad)), left_out: None };
+            *self = Self { taken_us: time_us, taken_rad: value_rad, left_out: None };
         }
         is_taken
     }
 
-    /// Whether one that is far from the last one is to be taken.
+    /// Whether one that is far from the last one, or the first, is to be taken.
     #[cold]
     fn takes_far(&mut self, time_us: u64, value_rad: f64) -> bool {
         #[allow(clippy::cast_precision_loss)] // less than a second, or any long time
         let since_s = |then_us: u64| time_us.saturating_sub(then_us) as f64 * 1e-6;
-        let can_be = self.taken.is_none_or(|(taken_us, taken_rad)| {
-            let passed_s = since_s(taken_us);
-            passed_s > GAP_S
-                || (value_rad - taken_rad).abs() <= RATE_RADPS.mul_add(passed_s, FAR_RAD)
-        });
+        let passed_s = since_s(self.taken_us);
+        let can_be = self.taken_rad.is_nan()
+            || passed_s > GAP_S
+            || (value_rad - self.taken_rad).abs() <= RATE_RADPS.mul_add(passed_s, FAR_RAD);
         let near_left_out =
             self.left_out.filter(|(_, rad)| (value_rad - rad).abs() <= FAR_RAD).map(|(us, _)| us);
         let stays = near_left_out.is_some_and(|us| time_us >= us + STAYS_US);
@@ -66,7 +79,7 @@ impl Angle {
 /// Leaves out the spikes of a drive.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub(crate) struct Spikes {
-    angles: [Angle; ANGLES.len()],
+    angles: [Angle; ANGLES],
     /// How many angles were left out.
     pub(crate) count: u32,
 }
@@ -75,8 +88,7 @@ impl Spikes {
     /// Makes a spike absent.
     pub(crate) fn leave_out(&mut self, sample: &mut Sample<f64>) {
         let time_us = sample.time_us;
-        for (angle, of) in self.angles.iter_mut().zip(ANGLES) {
-            let value_rad = of(sample);
+        for (angle, value_rad) in self.angles.iter_mut().zip(angles(sample)) {
             if value_rad.is_finite() && !angle.takes(time_us, *value_rad) {
                 *value_rad = f64::NAN;
                 self.count = self.count.saturating_add(1);

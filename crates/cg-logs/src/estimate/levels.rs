@@ -175,12 +175,10 @@ impl LevelCheck {
     /// Takes the levels at one time, m; NaN without a value.
     #[inline]
     pub(super) fn push(&mut self, level_m: impl Fn(Quantity) -> f64) {
-        let [trailer, tractor] = [
-            [Quantity::LevelLeft, Quantity::LevelRight],
-            [Quantity::TractorLevelLeft, Quantity::TractorLevelRight],
-        ];
-        self.trailer.sides.push(trailer.map(&level_m));
-        self.tractor.sides.push(tractor.map(level_m));
+        let trailer_m = [level_m(Quantity::LevelLeft), level_m(Quantity::LevelRight)];
+        self.trailer.sides.push(trailer_m);
+        let tractor_m = [level_m(Quantity::TractorLevelLeft), level_m(Quantity::TractorLevelRight)];
+        self.tractor.sides.push(tractor_m);
     }
 
     /// Ends a maneuver.

@@ -24,8 +24,8 @@ impl PressureCheck {
     /// Takes the pressures at one time, Pa; NaN without a value.
     #[inline]
     pub(super) fn push(&mut self, pressure_pa: impl Fn(Quantity) -> f64) {
-        let [left_pa, right_pa] =
-            [Quantity::DrivePressureLeft, Quantity::DrivePressureRight].map(pressure_pa);
+        let left_pa = pressure_pa(Quantity::DrivePressureLeft);
+        let right_pa = pressure_pa(Quantity::DrivePressureRight);
         if left_pa.is_finite() && right_pa.is_finite() {
             self.values += 1.0;
             self.sums_pa[0] += left_pa;

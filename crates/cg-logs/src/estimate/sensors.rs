@@ -90,6 +90,7 @@ impl SensorCheck {
     }
 
     /// Takes the levels and pressures at one time, SI units; NaN without a value.
+    #[inline]
     pub fn level(&mut self, value: impl Fn(Quantity) -> f64) {
         self.pressures.push(&value);
         self.levels.push(value);

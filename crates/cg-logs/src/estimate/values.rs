@@ -24,7 +24,7 @@ const ZEROS_SHARE: f64 = 0.01;
 const SAME: f64 = 1e-9;
 /// After this many samples only the first ones of each block are judged: they say the same for less.
 const ALL: u64 = 8192;
-const BLOCK: u64 = 128;
+const BLOCK: u64 = 256;
 const OF_BLOCK: u64 = 16;
 /// Share of the rounding of a step, its width over √12, in the root mean square of a signal, above which the
 /// height can be wrong by as much.
