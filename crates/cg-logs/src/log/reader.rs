@@ -259,10 +259,11 @@ impl LogReader {
 
     #[inline]
     fn advance_body(&mut self) -> Result<bool, LogError> {
-        let more = match &self.beginning {
-            Some(_) => self.read_beginning(),
-            None => self.read(),
-        };
+        let looked_at = self.beginning.as_mut().and_then(|rows| rows.next(&mut self.values));
+        let more = looked_at.unwrap_or_else(|| {
+            self.beginning = None;
+            self.read()
+        });
         if !matches!(more, Ok(true)) {
             return self.stopped(more);
         }
@@ -271,16 +272,6 @@ impl LogReader {
             plausibility.check(&self.quantities, &mut self.values, position);
         }
         Ok(true)
-    }
-
-    /// The next of the rows that were looked at, or the one after them.
-    #[cold]
-    fn read_beginning(&mut self) -> Result<bool, LogError> {
-        let looked_at = self.beginning.as_mut().and_then(|rows| rows.next(&mut self.values));
-        looked_at.unwrap_or_else(|| {
-            self.beginning = None;
-            self.read()
-        })
     }
 
     /// Reads the next row of the file and checks its time and its standard deviation.
